@@ -55,7 +55,7 @@ with TemporaryDirectory() as folder:
     )
 
 twin.advance_to(0.5)
-twin.apply_wrench("stand::box", force=(6.0, 0.0, 0.0), duration=1.0)
+twin.entities.apply_wrench("stand::box", force=(6.0, 0.0, 0.0), duration=1.0)
 for time in (0.5, 1.0):
     twin.advance_to(time)
     acceleration = twin.latest("/stand/imu/imu").linear_acceleration

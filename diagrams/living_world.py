@@ -11,24 +11,24 @@ from drake_twin import Recording, Robot, TwinBuilder, replay
 ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 
 twin = TwinBuilder().robot("robot_1", ROVER, xyz=(0, 0, 0.13)).build()
-twin.record()
+twin.recorder.begin()
 twin.publish("/robot_1/forward_velocity_controller/commands", [3.0, 3.0, 3.0, 3.0])
 twin.advance_to(1.0)
 
-twin.spawn(Robot("robot_2", ROVER, xyz=(0, 2, 0.13)))  # robot_1 continues, with the same bits as without it
-twin.apply_wrench("robot_2", force=(0, 250, 0), duration=0.5)
+twin.entities.spawn(Robot("robot_2", ROVER, xyz=(0, 2, 0.13)))  # robot_1 continues, with the same bits as without it
+twin.entities.apply_wrench("robot_2", force=(0, 250, 0), duration=0.5)
 twin.advance_to(2.0)
 print("robots:", *twin.robots)
-print(f"robot_2 was pushed to y {twin.entity_state('robot_2').position[1]:.3f} m")
+print(f"robot_2 was pushed to y {twin.entities.state('robot_2').position[1]:.3f} m")
 
 here = twin.snapshot()
-twin.delete("robot_2")
+twin.entities.delete("robot_2")
 twin.advance_to(3.0)
 assert twin.robots == ("robot_1",)
 
 with TemporaryDirectory() as folder:
     file = Path(folder) / "run.json"
-    twin.recording().save(file)
+    twin.recorder.recording().save(file)
     again = replay(Recording.load(file))
 print(f"replayed to {again.time} s: the same state is {again.state_sha256() == twin.state_sha256()}")
 assert again.state_sha256() == twin.state_sha256()

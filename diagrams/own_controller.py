@@ -49,7 +49,7 @@ if __name__ == "__main__":
         .controller("arm", "wave", "wave/Wave", {"joint": "joint_1", "amplitude": 0.3})
         .build()
     )
-    print(*twin.controller_manager("arm").list_controllers(), sep="\n")
+    print(*twin.control.manager("arm").list_controllers(), sep="\n")
     twin.advance_to(0.5)
     quarter = twin.joint_states("arm").position[0]
     twin.advance_to(2.0)

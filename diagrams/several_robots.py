@@ -18,7 +18,7 @@ for number, name in enumerate(NAMES):
     builder.robot(name, ROVER, xyz=(0, 2 * number, 0.13)).static_transform("world", f"{name}_odom")
 twin = builder.build()
 
-print("topics of robot_1:", *(topic for topic in twin.topics() if topic.startswith("/robot_1/")), sep="\n  ")
+print("topics of robot_1:", *(topic for topic in twin.graph.topics() if topic.startswith("/robot_1/")), sep="\n  ")
 
 
 class Commander:

@@ -25,7 +25,7 @@ def test_nothing_in_the_files_is_ignored(twin):
 
 def test_every_robot_has_its_controllers_active(twin):
     for name in ROVERS:
-        states = {item.name: item.state for item in twin.controller_manager(name).list_controllers()}
+        states = {item.name: item.state for item in twin.control.manager(name).list_controllers()}
         assert states["forward_velocity_controller"] == "active"
 
 

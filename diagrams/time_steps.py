@@ -31,7 +31,7 @@ print(f"step 0.01 s:  real-time factor {coarse_factor:6.1f}, positions differ by
 
 twin = TwinBuilder(time_step=0.001).robot("arm", ARM).build()
 twin.advance_to(1.0)
-twin.set_time_step(0.01)  # takes effect at the next multiple of 0.01 s
+twin.clock.set_time_step(0.01)  # takes effect at the next multiple of 0.01 s
 twin.step(5)
 assert abs(twin.time - 1.05) < 1e-9
 assert largest < 0.01

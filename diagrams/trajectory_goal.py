@@ -20,7 +20,7 @@ twin = (
     .build()
 )
 
-goal = twin.send_goal(
+goal = twin.graph.send_goal(
     "/arm/follower/follow_joint_trajectory",
     {
         "trajectory": {

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
     from drake_twin.show import TwinPage, show
     from drake_twin.twin.action import ActionGoal
-    from drake_twin.twin.entities import EntityState
+    from drake_twin.twin.entity_state import EntityState
     from drake_twin.twin.recording import Recording
     from drake_twin.twin.replay import replay
     from drake_twin.twin.rewind import Rewind
@@ -46,7 +46,7 @@ _HOMES = {
     "scenario": ("Command", "Robot", "Scenario", "StaticTransform", "World"),
     "show": ("TwinPage", "show"),
     "twin.action": ("ActionGoal",),
-    "twin.entities": ("EntityState",),
+    "twin.entity_state": ("EntityState",),
     "twin.recording": ("Recording",),
     "twin.replay": ("replay",),
     "twin.rewind": ("Rewind",),

@@ -100,7 +100,7 @@ def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = 
 
 
 def _describe(twin: "Twin") -> dict[str, Any]:
-    (plan,) = twin.plans
+    (plan,) = twin.built.plans
     description, plant = plan.description, twin.plant
     instance = plant.GetModelInstanceByName(plan.name)
     context = plant.GetMyContextFromRoot(twin.context)
@@ -138,7 +138,7 @@ def _describe(twin: "Twin") -> dict[str, Any]:
                 "touches": shape.touches,
                 "friction": shape.friction,
             }
-            for shape in twin.collision_shapes
+            for shape in twin.built.shapes
             if shape.model == plan.name
         ],
     }

@@ -163,6 +163,20 @@ def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
         yield replace(finding, lines=tuple(numbers))
 
 
+class Findings(tuple[Finding, ...]):
+    """Findings in their order."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was ignored or changed to make the robots run, and what they stood in when they came."""
+        return texts(self, Kind.WARNING, Kind.MENDED)
+
+    @property
+    def not_started(self) -> tuple[str, ...]:
+        """What the files ask for and the twin does not start, each with the reason."""
+        return texts(self, Kind.NOT_STARTED)
+
+
 def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
     """Return the findings of some kinds as sentences."""
     return tuple(str(finding) for finding in findings if finding.kind in kinds)

@@ -191,7 +191,7 @@ class GoalEnv(TwinEnv):
         EzPickle.__init__(self, robot, reach, near, **more)
 
     def _here(self) -> Array:
-        reader, state = self._scaled_state.reader(self.twin, self._name), self.twin.state_vector(self._name)
+        reader, state = self._scaled_state.reader(self.twin, self._name), self.twin.entities.state_vector(self._name)
         here: Array = reader.layout.base_state(state)[0][4:6] if self._robot == "rover" else state[reader.positions]
         return here
 
@@ -217,11 +217,11 @@ def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str,
     """Return topic → lower and upper bounds of its numbers."""
     by_topic = {
         f"{plan.robot.topic_namespace}/{controller.name}/commands": (plan, controller)
-        for plan in twin.plans
+        for plan in twin.built.plans
         for controller in plan.controllers
         if controller.state == ACTIVE and controller.claims
     }
-    known = twin.topics()
+    known = twin.graph.topics()
     by_topic = {topic: item for topic, item in by_topic.items() if known.get(topic) == _ARRAY}
     if action is None and not by_topic:
         raise InputError("the scenario has no active controller that takes a list of numbers: give topics by action=")
@@ -246,7 +246,7 @@ class _Reader:
     """Reads one robot's state, scaled, from its vector in the plant; limits and places are looked up once for each."""
 
     def __init__(self, twin: Twin, plan: RobotPlan):
-        self.layout = twin.state_layout(plan.name)
+        self.layout = twin.entities.state_layout(plan.name)
         joints = plan.description.movable_joints
         self.positions = np.array([self.layout.positions[joint.name] for joint in joints], dtype=int)
         velocities = np.array([self.layout.velocities[joint.name] for joint in joints], dtype=int)
@@ -272,14 +272,16 @@ class _ScaledState:
         self._readers: dict[str, _Reader] = {}
 
     def __call__(self, twin: Twin) -> Array:
-        parts = [part for robot in twin.robots for part in self.reader(twin, robot).scaled(twin.state_vector(robot))]
+        parts = [
+            part for robot in twin.robots for part in self.reader(twin, robot).scaled(twin.entities.state_vector(robot))
+        ]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def reader(self, twin: Twin, robot: str) -> _Reader:
         """Return the reader of a robot in the diagram of today."""
         known = self._readers.get(robot)
-        if known is None or known.layout is not twin.state_layout(robot):
-            plan = next(plan for plan in twin.plans if plan.name == robot)
+        if known is None or known.layout is not twin.entities.state_layout(robot):
+            plan = next(plan for plan in twin.built.plans if plan.name == robot)
             known = self._readers[robot] = _Reader(twin, plan)
         return known
 

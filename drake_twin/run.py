@@ -88,9 +88,9 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
     if target.paused and page is not None:
         twin.pause()
     if options.real_time_rate is not None:
-        twin.real_time_rate = options.real_time_rate
+        twin.clock.real_time_rate = options.real_time_rate
     if options.record is not None:
-        twin.record()
+        twin.recorder.begin()
     with html_file(twin, None if page is None else page.scene, options.save_html), Observers(options, stopped) as seen:
         run = _Run(twin, target, files, (page, graph), seen, options, stopped)
         if not options.end_with_recording:

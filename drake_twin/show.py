@@ -104,9 +104,9 @@ class TwinPage:
         """Process requests inside an advance of the program's own, 30 times a second of wall time at most."""
         if self._twin.frames.are_running or perf_counter() - self._processed < _FRAME:
             return
-        was_paused = self._twin.paused
+        was_paused = self._twin.clock.paused
         self._process(in_callback=True)
-        while self._twin.paused and not was_paused:
+        while self._twin.clock.paused and not was_paused:
             sleep(_FRAME)
             self._process(in_callback=True)
 

@@ -38,8 +38,8 @@ def pytest_report_header() -> str | None:
 
 # The fast lane, `pytest -m fast`: units without a process, a browser or a long simulation.
 FAST_ROOMS = frozenset(
-    ("control", "controllers", "description", "from_launch", "messages", "planning", "ros2", "scenario", "sensors")
-) | {"systems"}
+    ("control", "controllers", "description", "from_launch", "kinematics", "messages", "planning", "ros2", "scenario")
+) | {"sensors", "systems"}
 TOO_SLOW_FOR_FAST = frozenset(
     ("test_bounded_yaml", "test_drake_urdf", "test_gazebo_drives", "test_hostile_files", "test_mesh_cache")
 ) | {"test_robot_model", "test_sdf_includes", "test_unread", "test_yaml_document"}

@@ -9,8 +9,8 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import Joint, RobotDescription
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import make_value, or_none
-from drake_twin.systems.state_layout import StateLayout
 
 JOINTS = ("finger", "thumb")
 ROBOT = RobotDescription(

@@ -10,8 +10,8 @@ from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import make_value, or_none
-from drake_twin.systems.state_layout import StateLayout
 
 STEP = 0.001  # s, of the joints
 

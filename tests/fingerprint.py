@@ -25,19 +25,34 @@ def fingerprint(twin):
         "gravity": [_numbers(plant.gravity_field().gravity_vector())],
         "shapes": list(_shapes(twin.diagram.GetSubsystemByName("scene_graph").model_inspector())),
         "contact": [
-            f"{item.model} {item.touches} {item.friction:.6g} {_pose(item.X_BG)}" for item in twin.collision_shapes
+            f"{item.model} {item.touches} {item.friction:.6g} {_pose(item.X_BG)}" for item in twin.built.shapes
         ],
         "topics": _topics(twin),
-        "sensors": [_plain(item) for item in twin.sensors],
+        "sensors": [_plain(item) for item in twin.entities.sensors],
         "scenario": [_plain((scenario.time_step, scenario.world, scenario.static_transforms))],
         "programs": [_plain((scenario.commands, [(node.package, node.executable) for node in scenario.nodes]))],
-        "surroundings": [_plain(twin.world_file and twin.world_file.surroundings)],
+        "surroundings": [_plain(twin.built.world_file and twin.built.world_file.surroundings)],
     }
-    for plan in twin.plans:
+    for plan in twin.built.plans:
         found[f"controllers of {plan.name}"] = [_plain(item) for item in plan.controllers if item.state != UNLOADED]
         found[f"plan of {plan.name}"] = [
-            _plain((plan.update_rate, plan.enforce_limits, plan.hold_joints, plan.position_time_constant)),
-            _plain((plan.frame_prefix, plan.start_positions, plan.servos, plan.hardware_states, plan.strictness)),
+            _plain(
+                (
+                    plan.manager.update_rate,
+                    plan.manager.enforce_command_limits,
+                    plan.joints.are_held,
+                    plan.joints.position_time_constant,
+                )
+            ),
+            _plain(
+                (
+                    plan.frame_prefix,
+                    plan.joints.start_positions,
+                    plan.joints.servos,
+                    plan.hardware_states,
+                    plan.manager.strictness,
+                )
+            ),
             _plain((plan.model.is_fixed, plan.spawn_pose, plan.description.root_link)),
             _plain((plan.description.systems, plan.description.joints)),
         ]
@@ -49,8 +64,8 @@ def fingerprint(twin):
 
 def _topics(twin):
     """The topics without those of controllers that are not loaded: nothing publishes or hears them."""
-    unloaded = {item.name for plan in twin.plans for item in plan.controllers if item.state == UNLOADED}
-    topics = {**twin.topics(), **twin.actions()}
+    unloaded = {item.name for plan in twin.built.plans for item in plan.controllers if item.state == UNLOADED}
+    topics = {**twin.graph.topics(), **twin.graph.actions()}
     return [f"{topic} {kind}" for topic, kind in topics.items() if unloaded.isdisjoint(topic.split("/"))]
 
 

@@ -7,7 +7,8 @@ from tempfile import TemporaryDirectory
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.planning.controller_plan import ControllerPlan
-from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Robot
 from drake_twin.twin.controller_manager import ControllerManager
 

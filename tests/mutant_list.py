@@ -155,7 +155,7 @@ MUTANTS = (
         ("manager: conflicts are left out", "if switch.conflicts or (", "if ("),
         ("manager: idle hardware is driven", "if claim.joint in self.idle_joints:", "if not claim:"),
         ("manager: unknown ones are left out", "if names and not any(", "if names and all("),
-        ("manager: no default strictness", "strictness or self._plan.strictness", "strictness or 1"),
+        ("manager: no default strictness", "strictness or self._plan.manager.strictness", "strictness or 1"),
         ("chain: chained by all references only", "is_chained=any(", "is_chained=all("),
         ("chain: references of active ones only", "in (INACTIVE, ACTIVE)]", "in (ACTIVE,)]"),
         ("chain: FORCE_AUTO is BEST_EFFORT", "if strictness == FORCE_AUTO:", "if not strictness:"),
@@ -201,7 +201,7 @@ MUTANTS = (
         ("chain: writes to the first only", "return tuple(dict.fromkeys(owners))", "return tuple(owners)[:1]"),
     ),
     *_of(
-        "planning/plan_controllers.py",
+        "planning/*.py",
         PLANNING,
         ("chain: references exist unseen", "not in plans[owner].references", "in ()"),
         (
@@ -292,7 +292,11 @@ MUTANTS = (
             "active = () if self.stopped else self.manager.active",
             "active = self.manager.active",
         ),
-        ("control: a stopped robot may be limp", "self._plan.hold_joints or self.stopped", "self._plan.hold_joints"),
+        (
+            "control: a stopped robot may be limp",
+            "self._plan.joints.are_held or self.stopped",
+            "self._plan.joints.are_held",
+        ),
         ("control: goals outlive a stop", "self.controllers[name].cancel(", "self.controllers[name].goal_state("),
         (
             "control: cleared stops start nothing",

@@ -114,9 +114,9 @@ class Kinds:
         from drake_twin import TwinBuilder
 
         twin = TwinBuilder().robot("a", folder / "robot.urdf.xacro", xyz=(0, 0, 1)).build()
-        twin.record()
+        twin.recorder.begin()
         twin.step(3)
-        for name, saved in (("state.json", twin.snapshot()), ("run.json", twin.recording())):
+        for name, saved in (("state.json", twin.snapshot()), ("run.json", twin.recorder.recording())):
             saved.save(folder / name)
             self.sources[name] = (folder / name).read_bytes()
 

@@ -113,7 +113,7 @@ class RandomUse:
     def __init__(self, twin, generator):
         self.twin = twin
         self.random = generator
-        self.manager = twin.controller_manager("used")
+        self.manager = twin.control.manager("used")
         self.goals = []
 
     def call(self):
@@ -156,11 +156,11 @@ class RandomUse:
 
     def topic(self):
         """A topic of the robot."""
-        return str(self.random.choice([topic for topic in self.twin.commanded if topic.startswith("/used/")]))
+        return str(self.random.choice([topic for topic in self.twin.built.commanded if topic.startswith("/used/")]))
 
     def message(self, topic):
         """Something to publish there, most often of the right shape."""
-        kind = self.twin.commanded[topic].type
+        kind = self.twin.built.commanded[topic].type
         if kind.endswith("Float64MultiArray"):
             return [self._number() for _ in range(self.random.choice([2, 2, 2, 1, 0]))]
         if kind.endswith("TwistStamped"):
@@ -179,20 +179,20 @@ class RandomUse:
         else:
             goal = {"command": {"position": self._number() / 50, "max_effort": self._number()}}
             sent = ("/used/gripper/gripper_cmd", goal)
-        self.goals.append(self.twin.send_goal(*sent, self._on_result))
+        self.goals.append(self.twin.graph.send_goal(*sent, self._on_result))
 
     def cancel(self):
         if self.goals:
             self.goals[int(self.random.integers(len(self.goals)))].cancel()
 
     def set_joint_positions(self):
-        self.twin.set_joint_positions("used", {"left": self._number()})
+        self.twin.entities.set_joint_positions("used", {"left": self._number()})
 
     def emergency_stop(self):
-        self.twin.emergency_stop("used")
+        self.twin.control.emergency_stop("used")
 
     def clear_emergency_stop(self):
-        self.twin.clear_emergency_stop("used")
+        self.twin.control.clear_emergency_stop("used")
 
     def reset(self):
         self.twin.reset()

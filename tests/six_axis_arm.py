@@ -4,7 +4,7 @@ from math import pi
 from typing import Any
 
 from drake_twin.description.robot_description import HardwareSensor, HardwareSystem, Joint, Pose, RobotDescription
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.state_layout import StateLayout
 
 JOINTS = tuple(f"joint{number}" for number in range(1, 7))
 _AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))

@@ -29,11 +29,11 @@ def scene():
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     folder, twin = tmp_path_factory.mktemp("saved"), scene()
-    twin.record()
+    twin.recorder.begin()
     twin.publish("/robot_1/forward_velocity_controller/commands", [1, 2, 3, 4])
     twin.advance_to(0.2)
     twin.snapshot().save(folder / "state.json")
-    twin.recording().save(folder / "run.json")
+    twin.recorder.recording().save(folder / "run.json")
     return [json.loads((folder / name).read_text()) for name in ("state.json", "run.json")]
 
 

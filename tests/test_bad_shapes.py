@@ -64,7 +64,7 @@ def said_of(use: str, geometry: str, folder: Path, height: float = 0.3) -> str:
         twin = TwinBuilder(time_step=0.01, world=world).robot("robot", robot, xyz=(0, 3e6, height)).build()
         lines += map(str, twin.findings)
         twin.advance_to(0.02)
-        assert np.isfinite(twin.entity_state("robot").position).all()
+        assert np.isfinite(twin.entities.state("robot").position).all()
     except (InputError, RunError) as error:
         lines.append(str(error))
     return "\n".join(lines)

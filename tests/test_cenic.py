@@ -49,7 +49,7 @@ def test_positions_velocities_and_holds_of_an_arm(tmp_path):
     done = []
     point = {"positions": [1.0, 0.5], "velocities": [0, 0], "time_from_start": 2.0}
     goal = {"trajectory": {"joint_names": ["joint_1", "joint_2"], "points": [point]}}
-    twin.send_goal("/arm/arm/follow_joint_trajectory", goal, done.append)
+    twin.graph.send_goal("/arm/arm/follow_joint_trajectory", goal, done.append)
     errors = []
 
     def look(message):
@@ -98,7 +98,7 @@ def test_robots_come_and_go_and_snapshots_hold_to_the_accuracy(tmp_path):
     twin.publish(WHEELS, [2.0] * 4)
     twin.advance_to(0.5)
     twin.snapshot().save(tmp_path / "state.json")
-    twin.spawn(Robot("new", ROVER, xyz=(-3, 0, 0.13)))
+    twin.entities.spawn(Robot("new", ROVER, xyz=(-3, 0, 0.13)))
     twin.advance_to(1.5)
     end = twin.robot_state("robot_1")
     twin.restore(Snapshot.load(tmp_path / "state.json"))
@@ -119,8 +119,8 @@ def test_what_is_no_engine_is_refused(option, value):
 
 def arm_at(twin, time):
     fastest = 0.0
-    for step in range(round(twin.time / twin.time_step), round(time / twin.time_step)):
-        twin.advance_to((step + 1) * twin.time_step)
+    for step in range(round(twin.time / twin.clock.time_step), round(time / twin.clock.time_step)):
+        twin.advance_to((step + 1) * twin.clock.time_step)
         fastest = max(fastest, *map(abs, twin.robot_state("arm").velocities))
     return fastest
 
@@ -196,7 +196,7 @@ def test_chained_updates_beside_the_grid_leave_no_step_of_rounding(tmp_path):
     )
     builder = TwinBuilder(engine="cenic", time_step=0.001, accuracy=1e-2)
     twin = builder.robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
-    assert twin.controller_manager("arm").active == ("pid", "c")
+    assert twin.control.manager("arm").active == ("pid", "c")
     there = [0.5, 0.4, -0.4, 0.5]
     points = [{"positions": there, "velocities": [0.0] * 4, "time_from_start": 1.0}]
     twin.publish("/arm/c/joint_trajectory", {"joint_names": joints, "points": points})

@@ -48,7 +48,7 @@ def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertia
     twin = Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
     scene = Scene()
     scene.draw(twin)
-    (plan,) = twin.plans
+    (plan,) = twin.built.plans
     twin.draw()
     assert scene.has_path(f"{TWIN}/{plan.name}") == ("<visual" in plan.model.drake_text)
     twin.advance_to(1.0)
@@ -195,7 +195,7 @@ def test_a_robot_of_the_corpus_loads_and_steps(file):
         return
     twin = twin_of(file)
     twin.advance_to(1.0)
-    (plan,) = twin.plans
+    (plan,) = twin.built.plans
     state = twin.robot_state(plan.name)
     assert np.isfinite([*state.positions, *state.velocities, *state.base_pose]).all()
     assert abs(state.base_pose[2] - plan.spawn_pose.xyz[2]) < 0.02, "it does not stand"

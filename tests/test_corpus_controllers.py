@@ -14,7 +14,7 @@ from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import InputError
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 
 needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason="the folder shared/corpus is not here")
 
@@ -101,10 +101,10 @@ def test_each_controller_of_a_robot_that_names_a_parameters_file_is_active_or_sa
     (robot,) = scenario.robots
     plan = plan_robot(robot, PackageIndex(scenario.package_paths))
     if not plan.description.controller_files:
-        assert plan.controllers == () or [text for text in plan.not_started if "sensor" not in text] == []
+        assert plan.controllers == () or [text for text in plan.findings.not_started if "sensor" not in text] == []
         return
     assert plan.controllers
-    said = "\n".join(plan.not_started)
+    said = "\n".join(plan.findings.not_started)
     for controller in plan.controllers:
         if controller.state == "inactive":
             assert f"controller {controller.name}: resource conflict, " in said
@@ -146,4 +146,4 @@ def test_the_controllers_that_a_demo_starts_are_active_on_its_robot(example, rob
     plan = plan_robot(with_controllers, PackageIndex(scenario.package_paths))
     states = {controller.name: controller.state for controller in plan.controllers}
     assert [states[name] for name in active] == ["active"] * len(active)
-    assert plan.not_started == ()
+    assert plan.findings.not_started == ()

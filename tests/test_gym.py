@@ -121,7 +121,7 @@ def test_a_rovers_observation_is_its_joints_its_base_and_the_goal():
     env.reset(seed=2)
     for _ in range(20):
         observation = env.step(np.array([1.0, -0.2, 1.0, -0.2]))[0]
-    state, base = env.twin.robot_state("robot_1"), env.twin.entity_state("robot_1")
+    state, base = env.twin.robot_state("robot_1"), env.twin.entities.state("robot_1")
     assert abs(base.angular[2]) > 0.1
     joints = [*state.positions, *(speed / 20.0 for speed in state.velocities)]
     expected = [*joints, *state.base_pose, *base.linear, *base.angular]

@@ -34,7 +34,7 @@ def arm(folder, engine):
     file.write_text(CONTROLLERS)
     builder = TwinBuilder(**ENGINES[engine]).robot("arm", ARM, controllers=file, active_controllers=["driver"])
     twin = builder.build()
-    twin.record()
+    twin.recorder.begin()
     twin.publish("/arm/driver/joint_trajectory", GOAL)
     return twin
 

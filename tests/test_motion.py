@@ -61,7 +61,7 @@ def goal(*points):
 
 def test_an_arm_follows_a_cubic_trajectory_within_a_hundredth_of_a_radian(arm):
     done = []
-    arm.send_goal(ACTION, goal(point(2.0, [1.0, 0.5, -0.5], [0.0, 0.0, 0.0])), done.append)
+    arm.graph.send_goal(ACTION, goal(point(2.0, [1.0, 0.5, -0.5], [0.0, 0.0, 0.0])), done.append)
     cubic = CubicHermiteSpline([0, 2], [[0, 0, 0], [1.0, 0.5, -0.5]], [[0, 0, 0], [0, 0, 0]])
     errors = []
     arm.subscribe("/clock", lambda message: errors.append(np.abs(positions(arm) - cubic(min(arm.time, 2))).max()), 100)
@@ -79,10 +79,10 @@ def test_a_trajectory_on_the_topic_moves_the_arm_too(arm):
 
 
 def test_a_newer_goal_takes_the_place_of_the_one_before(arm):
-    first = arm.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
+    first = arm.graph.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
     arm.advance_to(0.5)
     assert first.status == "executing"
-    second = arm.send_goal(ACTION, goal(point(1.0, [-0.5, 0.0, 0.0])))
+    second = arm.graph.send_goal(ACTION, goal(point(1.0, [-0.5, 0.0, 0.0])))
     arm.advance_to(0.6)
     assert (first.status, second.status) == ("aborted", "executing")
     arm.advance_to(3.0)
@@ -91,7 +91,7 @@ def test_a_newer_goal_takes_the_place_of_the_one_before(arm):
 
 
 def test_a_cancelled_goal_leaves_the_arm_where_it_is(arm):
-    sent = arm.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
+    sent = arm.graph.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
     arm.advance_to(0.5)
     assert sent.feedback.joint_names == JOINTS
     sent.cancel()
@@ -114,18 +114,18 @@ def test_a_cancelled_goal_leaves_the_arm_where_it_is(arm):
 )
 def test_a_wrong_goal_is_rejected_in_words(arm, wrong, reason):
     with pytest.raises(CommandError, match=f"goal is rejected: .*{reason}"):
-        arm.send_goal(ACTION, wrong)
+        arm.graph.send_goal(ACTION, wrong)
 
 
 def test_a_goal_ends_with_the_controller_that_has_it(arm):
-    sent = arm.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
+    sent = arm.graph.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
     arm.advance_to(0.5)
-    arm.controller_manager("arm").switch_controller(deactivate=["arm_controller"])
+    arm.control.manager("arm").switch_controller(deactivate=["arm_controller"])
     assert sent.is_done
     with pytest.raises(CommandError, match="controller arm_controller is not active"):
-        arm.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
+        arm.graph.send_goal(ACTION, goal(point(2.0, [1.0, 0.0, 0.0])))
     arm.reset()
-    again = arm.send_goal(ACTION, goal(point(0.5, [0.2, 0.0, 0.0])))
+    again = arm.graph.send_goal(ACTION, goal(point(0.5, [0.2, 0.0, 0.0])))
     arm.reset()
     assert again.status == "canceled"
     arm.advance_to(1.0)
@@ -138,7 +138,7 @@ def test_trajectories_repeat_to_the_last_bit_whoever_listens(arm):
         arm.reset()
         if rate:
             arm.subscribe("/arm/arm_controller/controller_state", lambda message: None, rate)
-        arm.send_goal(ACTION, goal(point(0.7, [1.0, 0.5, -0.5])))
+        arm.graph.send_goal(ACTION, goal(point(0.7, [1.0, 0.5, -0.5])))
         arm.advance_to(1.0)
         hashes.append(arm.state_sha256())
     assert hashes[0] == hashes[1]
@@ -164,9 +164,9 @@ def with_interfaces(file, folder, *interfaces):
 def test_a_position_step_settles_within_a_milliradian_without_overshoot(tmp_path, name, time_step):
     file, joints = with_interfaces(DATA / name, tmp_path, "position")
     twin = TwinBuilder(time_step=time_step).package_path(SHARE).robot("arm", file, xyz=(0, 0, 3)).build()
-    (topic,) = twin.commanded
+    (topic,) = twin.built.commanded
     start = positions(twin, joints=joints)
-    limits = np.array([*twin.command_limits(topic).values()])
+    limits = np.array([*twin.graph.command_limits(topic).values()])
     # A radian, or as much as there is room for; down for those whose links meet on the way up.
     down = np.array([joint == "wrist_1_joint" for joint in joints]) | (start + 1.0 > limits[:, 1])
     targets = np.clip(np.where(down, start - 1.0, start + 1.0), limits[:, 0], limits[:, 1])
@@ -189,12 +189,12 @@ def test_a_position_step_settles_within_a_milliradian_without_overshoot(tmp_path
 def test_a_velocity_is_held_to_a_thousandth_against_gravity(tmp_path, name, time_step):
     file, joints = with_interfaces(DATA / name, tmp_path, "velocity")
     twin = TwinBuilder(time_step=time_step).package_path(SHARE).robot("arm", file, xyz=(0, 0, 3)).build()
-    (topic,) = twin.commanded
+    (topic,) = twin.built.commanded
     for index in range(len(joints)):
         twin.reset()
         command = np.zeros(len(joints))
-        lower, upper = twin.plans[0].description.joints_by_name[joints[index]].limits.lower, None
-        upper = twin.plans[0].description.joints_by_name[joints[index]].limits.upper
+        lower, upper = twin.built.plans[0].description.joints_by_name[joints[index]].limits.lower, None
+        upper = twin.built.plans[0].description.joints_by_name[joints[index]].limits.upper
         start = positions(twin, joints=joints)[index]
         command[index] = 1.0 if upper - start > start - lower else -1.0
         twin.publish(topic, command)
@@ -356,8 +356,8 @@ def test_fifty_robots_of_one_file_and_none_hears_anothers_command(tmp_path):
     speeds = [twin.robot_state(f"r{index}").velocities[0] for index in range(50)]
     expected = [index + 1.0 if index % 2 == 0 else 0.0 for index in range(50)]
     assert speeds == pytest.approx(expected, rel=1e-3, abs=1e-9)
-    assert twin.controller_manager("r3").switch_controller(deactivate=["forward_velocity_controller"])
-    assert all("forward_velocity_controller" in twin.controller_manager(f"r{index}").active for index in (0, 2, 4))
+    assert twin.control.manager("r3").switch_controller(deactivate=["forward_velocity_controller"])
+    assert all("forward_velocity_controller" in twin.control.manager(f"r{index}").active for index in (0, 2, 4))
 
 
 def test_two_robots_whose_parameters_contradict_each_other(tmp_path):
@@ -385,7 +385,7 @@ def test_two_robots_whose_parameters_contradict_each_other(tmp_path):
     twin.advance_to(3.0)
     assert twin.robot_state("a").velocities[0] == pytest.approx(2.0, rel=1e-3)
     assert twin.robot_state("b").positions[0] == pytest.approx(2.0, abs=1e-3)
-    rates = [twin.controller_manager(name).list_controllers()[0].update_rate for name in files]
+    rates = [twin.control.manager(name).list_controllers()[0].update_rate for name in files]
     assert rates == [50, 200]
-    claims = [twin.controller_manager(name).list_controllers()[0].claimed_interfaces for name in files]
+    claims = [twin.control.manager(name).list_controllers()[0].claimed_interfaces for name in files]
     assert claims == [("axle/velocity",), ("axle/position",)]

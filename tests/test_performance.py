@@ -33,7 +33,7 @@ def driving(count):
 def listening(twin, *ends, rate=50):
     """Subscribes to all topics with these ends; returns what arrives."""
     received = []
-    for topic in twin.topics():
+    for topic in twin.graph.topics():
         if topic.endswith(ends):
             twin.subscribe(topic, received.append, rate)
     return received
@@ -106,15 +106,15 @@ def test_a_controller_that_has_not_been_active_is_not_updated_and_starts_like_on
         .build()
         for _ in range(2)
     )
-    known.controller_manager("arm").switch_controller(["arm"])
+    known.control.manager("arm").switch_controller(["arm"])
     known.advance_to(0.01)
-    known.controller_manager("arm").switch_controller(deactivate=["arm"])
+    known.control.manager("arm").switch_controller(deactivate=["arm"])
     known.advance_to(0.1)
     new.restore(known.snapshot())
     goal = {"joint_names": ["joint_1", "joint_2"], "points": [{"positions": [0.3, 0.2], "time_from_start": 0.5}]}
     for twin in (known, new):
         assert python_calls(twin, 0.15)["_update_sample"] == (5 if twin is known else 0)
-        twin.controller_manager("arm").switch_controller(["arm"])
+        twin.control.manager("arm").switch_controller(["arm"])
         twin.publish("/arm/arm/joint_trajectory", goal)
         assert python_calls(twin, 0.25)["_update_sample"] == 10  # the first at 0.15 s
     assert known.state_sha256() == new.state_sha256()

@@ -92,7 +92,7 @@ def velocity(twin, joint):
 
 
 def states(twin):
-    return {item.name: item.state for item in twin.controller_manager("r").list_controllers()}
+    return {item.name: item.state for item in twin.control.manager("r").list_controllers()}
 
 
 # Forward command controllers
@@ -146,14 +146,14 @@ def test_a_message_with_an_element_that_is_not_finite_is_dropped_whole(make, bad
 def test_a_message_while_inactive_is_ignored_also_after_the_activation(make):
     twin = make(inactive=("velocities",))
     twin.publish("/r/velocities/commands", [0, 3])
-    assert twin.controller_manager("r").switch_controller(activate=["velocities"])
+    assert twin.control.manager("r").switch_controller(activate=["velocities"])
     twin.advance_to(0.5)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-9)
 
 
 def test_reactivation_begins_at_zero_velocity_until_a_new_command(make):
     twin = make("velocities")
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     twin.publish("/r/velocities/commands", [0, 3])
     twin.advance_to(0.5)
     manager.switch_controller(deactivate=["velocities"])
@@ -175,7 +175,7 @@ def test_a_command_timeout_brings_the_velocity_to_zero(make):
     assert velocity(twin, "wheel") == pytest.approx(3, rel=1e-3)
     twin.advance_to(1.2)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-3)
-    assert make("velocities").command("/r/velocities/commands") is None
+    assert make("velocities").graph.command("/r/velocities/commands") is None
 
 
 # joint_state_broadcaster
@@ -186,10 +186,10 @@ def test_joint_states_are_published_only_while_their_broadcaster_is_active(make)
     seen = []
     twin.subscribe("/r/joint_states", lambda message: seen.append(message.header.stamp.nanosec), rate=10)
     twin.advance_to(0.25)
-    twin.controller_manager("r").switch_controller(deactivate=["broadcaster"])
+    twin.control.manager("r").switch_controller(deactivate=["broadcaster"])
     twin.advance_to(0.55)
     assert twin.joint_states("r") is None
-    twin.controller_manager("r").switch_controller(activate=["broadcaster"])
+    twin.control.manager("r").switch_controller(activate=["broadcaster"])
     twin.advance_to(0.75)
     assert [stamp // 1_000_000 for stamp in seen] == [0, 100, 200, 600, 700]
 
@@ -208,7 +208,7 @@ def test_joints_come_in_the_order_of_ros2_control_with_nan_for_what_is_not_measu
 
 def test_a_second_claim_of_an_interface_is_a_resource_conflict(make):
     twin = make("positions", inactive=("both",))
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     for strictness in (STRICT, BEST_EFFORT):  # controller_manager.cpp:4377
         response = manager.switch_controller(activate=["both"], strictness=strictness)
         assert not response
@@ -221,7 +221,7 @@ def test_a_second_claim_of_an_interface_is_a_resource_conflict(make):
 
 def test_strict_switches_all_or_nothing_and_best_effort_what_it_can(make):
     twin = make(inactive=("positions", "efforts"))
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     response = manager.switch_controller(activate=["positions", "nobody"], strictness=STRICT)
     assert (response.ok, states(twin)["positions"]) == (False, "inactive")
     assert "controller 'nobody' is not loaded; loaded controllers: broadcaster, positions, efforts" in response.message
@@ -232,7 +232,7 @@ def test_strict_switches_all_or_nothing_and_best_effort_what_it_can(make):
 
 
 def test_a_controller_goes_through_its_life_cycle(make):
-    manager = make().controller_manager("r")
+    manager = make().control.manager("r")
     assert not manager.configure_controller("positions")
     assert manager.load_controller("positions")
     assert "already loaded" in manager.load_controller("positions").message
@@ -248,14 +248,14 @@ def test_a_controller_goes_through_its_life_cycle(make):
 def test_an_interface_that_does_not_exist_refuses_the_activation(make):
     more = "wrong: {ros__parameters: {joints: [finger]}}"
     twin = make(more_types="wrong: {type: velocity_controllers/JointGroupVelocityController}", more=more)
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     manager.load_controller("wrong")
     message = manager.configure_controller("wrong").message
     assert "joint finger has no velocity command interface in <ros2_control> (it has effort)" in message
 
 
 def test_hardware_interfaces_and_components_are_listed_as_ros2_control_does(make):
-    manager = make("velocities").controller_manager("r")
+    manager = make("velocities").control.manager("r")
     commands, sensed = manager.list_hardware_interfaces()
     claimed = {item.name for item in commands if item.is_claimed}
     assert claimed == {"arm/velocity", "wheel/velocity"}
@@ -273,7 +273,7 @@ def test_a_switch_while_paused_acts_with_the_next_step_and_keeps_every_other_sta
     twin.advance_to(0.5)
     twin.pause()
     before = replace(twin.robot_state("r"), efforts=())
-    assert twin.controller_manager("r").switch_controller(activate=["positions"], deactivate=["velocities"])
+    assert twin.control.manager("r").switch_controller(activate=["positions"], deactivate=["velocities"])
     assert replace(twin.robot_state("r"), efforts=()) == before  # efforts are those of the step to come
     twin.step()
     assert velocity(twin, "wheel") < 3
@@ -314,7 +314,7 @@ def ramp():
 def test_an_update_that_is_faster_than_physics_is_said_and_done_at_every_step(make, ramp):
     ramp["more_types"] += "\n    update_rate: 1000"
     twin = make("ramp", **ramp, time_step=0.002)
-    (text,) = [text for text in twin.warnings if "Hz" in text]
+    (text,) = [text for text in twin.findings.warnings if "Hz" in text]
     assert text.startswith(
         "r: controller broadcaster, controller ramp, the controller manager: the update rate of 1000 Hz"
     )
@@ -438,7 +438,7 @@ def test_without_an_active_controller_joints_hold_where_they_are_left(make):
     twin = make("velocities")
     twin.publish("/r/velocities/commands", [0.5, 4.0])
     twin.advance_to(0.5)
-    twin.controller_manager("r").switch_controller(deactivate=["velocities"])
+    twin.control.manager("r").switch_controller(deactivate=["velocities"])
     twin.advance_to(3.0)
     left = position(twin, "arm"), position(twin, "wheel")
     twin.advance_to(10.0)
@@ -449,7 +449,7 @@ def test_a_joint_released_at_speed_comes_to_rest_without_turning_back(make):
     twin = make("velocities")
     twin.publish("/r/velocities/commands", [0.0, 8.0])
     twin.advance_to(0.5)
-    twin.controller_manager("r").switch_controller(deactivate=["velocities"])
+    twin.control.manager("r").switch_controller(deactivate=["velocities"])
     slowest = []
     twin.subscribe("/clock", lambda message: slowest.append(velocity(twin, "wheel")), rate=100)
     twin.advance_to(3.0)
@@ -477,7 +477,7 @@ def test_a_mimic_joint_starts_and_moves_with_its_leader_multiplier_and_offset(ma
 def test_no_order_of_switches_ends_the_process(make):
     names = ("positions", "velocities", "efforts", "both")
     twin = make(inactive=names)
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     rng = np.random.default_rng(7)
     for _ in range(150):
         start = [name for name in names if rng.random() < 0.4]
@@ -485,7 +485,7 @@ def test_no_order_of_switches_ends_the_process(make):
         manager.switch_controller(start, stop, FORCE_AUTO if rng.random() < 0.2 else BEST_EFFORT)
         for name in manager.active:
             if name != "broadcaster" and rng.random() < 0.5:
-                size = len(twin.command_limits(f"/r/{name}/commands"))
+                size = len(twin.graph.command_limits(f"/r/{name}/commands"))
                 twin.publish(f"/r/{name}/commands", rng.uniform(-1, 1, size))
         twin.step(int(rng.integers(1, 20)))
     assert np.isfinite(twin.robot_state("r").positions).all()
@@ -498,7 +498,7 @@ def test_an_emergency_stop_brings_all_to_rest_within_effort_limits_and_refuses_c
     twin = make("velocities")
     twin.publish("/r/velocities/commands", [0.5, 15.0])
     twin.advance_to(0.5)
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     efforts = []
     twin.subscribe("/clock", lambda message: efforts.append(twin.robot_state("r").efforts), rate=100)
     with pytest.raises(CommandError, match="the emergency stop of 'r' holds"):
@@ -509,7 +509,7 @@ def test_an_emergency_stop_brings_all_to_rest_within_effort_limits_and_refuses_c
     twin.advance_to(8.0)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-6)
     assert position(twin, "arm") == pytest.approx(held, abs=1e-4)
-    twin.clear_emergency_stop("r")
+    twin.control.clear_emergency_stop("r")
     twin.advance_to(8.5)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-3)
     twin.publish("/r/velocities/commands", [0, 2])
@@ -527,7 +527,7 @@ def test_the_scenarios_own_commands_are_refused_too_while_the_stop_holds(make, c
     from drake_twin.scenario import Command
 
     twin = Twin(replace(scenario, commands=(Command("/r/velocities/commands", (0.0, 2.0), 0.5),)))
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     twin.advance_to(1.0)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-9)
     assert "emergency stop" in caplog.text
@@ -540,7 +540,7 @@ def test_hold_joints_false_leaves_unclaimed_joints_limp(make, monkeypatch):
     limp = "<hardware><param name='hold_joints'>false</param>"
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", limp))
     twin = make("velocities", inactive=("positions",))
-    twin.controller_manager("r").switch_controller(deactivate=["velocities"])
+    twin.control.manager("r").switch_controller(deactivate=["velocities"])
     twin.advance_to(1.0)
     assert position(twin, "arm") > 0.8  # it falls: its weight hangs in front of it
 
@@ -549,7 +549,7 @@ def test_an_emergency_stop_holds_joints_that_are_limp_otherwise(make, monkeypatc
     limp = "<hardware><param name='hold_joints'>false</param>"
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", limp))
     twin = make(inactive=("velocities",))
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     twin.advance_to(1.0)
     assert position(twin, "arm") == pytest.approx(0.5, abs=1e-3)
 
@@ -581,9 +581,9 @@ def test_hardware_that_is_not_active_is_not_driven(make):
     twin = make("positions", inactive=("efforts",), more_types=inactive)
     assert states(twin)["positions"] == "inactive"
     why = "hardware component 'system' is inactive"
-    assert f"controller positions: {why}" in twin.plans[0].not_started[0]
-    assert any("hardware component 'nobody' is unknown" in warning for warning in twin.plans[0].warnings)
-    manager = twin.controller_manager("r")
+    assert f"controller positions: {why}" in twin.built.plans[0].findings.not_started[0]
+    assert any("hardware component 'nobody' is unknown" in warning for warning in twin.built.plans[0].findings.warnings)
+    manager = twin.control.manager("r")
     (component,) = manager.list_hardware_components()
     assert component.state == "inactive"
     assert all(item.is_available for item in manager.list_hardware_interfaces()[0])
@@ -593,7 +593,7 @@ def test_hardware_that_is_not_active_is_not_driven(make):
         assert why in response.message
 
     twin = make("positions", more_types=inactive.replace("inactive: [system, nobody]", "unconfigured: [system]"))
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     assert [item.state for item in manager.list_hardware_components()] == ["unconfigured"]
     assert not any(item.is_available for item in (*manager.list_hardware_interfaces()[0],))
 
@@ -618,7 +618,7 @@ def test_the_interfaces_of_a_sensor_are_listed_with_those_of_the_joints(make, mo
         '<sensor name="imu"><state_interface name="orientation.x"/><state_interface name="orientation.y"/></sensor>'
     )
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{sensor}</ros2_control>"))
-    manager = make().controller_manager("r")
+    manager = make().control.manager("r")
     own = ["imu/orientation.x", "imu/orientation.y"]
     _, listed = manager.list_hardware_interfaces()
     assert [item.name for item in listed if item.name.startswith("imu")] == own
@@ -626,7 +626,7 @@ def test_the_interfaces_of_a_sensor_are_listed_with_those_of_the_joints(make, mo
     (component,) = manager.list_hardware_components()
     assert component.state_interfaces[-2:] == (*own,)
     unconfigured = make(more_types="hardware_components_initial_state: {unconfigured: [system]}")
-    assert not any(item.is_available for item in unconfigured.controller_manager("r").list_hardware_interfaces()[1])
+    assert not any(item.is_available for item in unconfigured.control.manager("r").list_hardware_interfaces()[1])
 
 
 def test_an_initial_velocity_is_a_finding(make, monkeypatch):
@@ -634,7 +634,9 @@ def test_an_initial_velocity_is_a_finding(make, monkeypatch):
     changed = ROBOT.replace('<state_interface name="velocity"/></joint>', given, 1)
     monkeypatch.setitem(globals(), "ROBOT", changed)
     twin = make()
-    assert "joint arm: the initial_value 2.5 of its velocity is ignored: joints start at rest" in str(twin.warnings)
+    assert "joint arm: the initial_value 2.5 of its velocity is ignored: joints start at rest" in str(
+        twin.findings.warnings
+    )
     assert velocity(twin, "arm") == 0.0
 
 

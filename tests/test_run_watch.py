@@ -92,10 +92,10 @@ def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(t
     mesh = tmp_path / "read_once_and_cached.stl"
     target = find_target(options)
     twin = build_twin(target)
-    twin.paused, twin.real_time_rate = True, 3.0
+    twin.clock.paused, twin.clock.real_time_rate = True, 3.0
     new_twin, _, watch = rebuilt_twin(twin, target, options, Watch({mesh: None}))
     assert new_twin is not twin
-    assert (new_twin.paused, new_twin.real_time_rate) == (True, 3.0)
+    assert (new_twin.clock.paused, new_twin.clock.real_time_rate) == (True, 3.0)
     assert {mesh, launch_file} <= set(watch.files)
 
 

@@ -82,7 +82,7 @@ def test_what_is_no_list_of_numbers_is_refused_and_the_controller_stays_active(m
     twin = make("velocities")
     with pytest.raises(CommandError, match=r"/r/velocities/commands: .* is not a list of numbers"):
         twin.publish(VELOCITIES, data)
-    assert twin.controller_manager("r").active == ("velocities",)
+    assert twin.control.manager("r").active == ("velocities",)
     twin.step(5)
 
 
@@ -138,7 +138,7 @@ def test_a_ros_message_with_something_wrong_inside_is_refused_with_the_place(mak
     with pytest.raises(CommandError, match=message):
         twin.publish("/r/base/cmd_vel", messages.TwistStamped(header=header, twist=value))
     twin.step(30)
-    assert twin.controller_manager("r").active == ("base",)
+    assert twin.control.manager("r").active == ("base",)
 
 
 def test_a_published_message_is_a_copy(make):
@@ -153,15 +153,20 @@ def test_a_published_message_is_a_copy(make):
 @pytest.mark.parametrize("name", [None, 1, [], {}, "/nope"])
 def test_a_topic_or_robot_of_any_type_that_does_not_exist_is_told_with_those_that_do(make, name):
     twin = make("velocities")
-    for call in (twin.command, twin.silence, twin.command_limits, lambda topic: twin.publish(topic, [0, 0])):
+    for call in (
+        twin.graph.command,
+        twin.graph.silence,
+        twin.graph.command_limits,
+        lambda topic: twin.publish(topic, [0, 0]),
+    ):
         with pytest.raises(InputError, match=r"nothing listens to .*Valid: .*/r/velocities/commands"):
             call(name)
     for call in (twin.latest, lambda topic: twin.subscribe(topic, print)):
         with pytest.raises(InputError, match=r"nothing is published on .*Valid: /r/joint_states"):
             call(name)
     with pytest.raises(InputError, match=r"unknown action .*Valid: /r/trajectories/follow_joint_trajectory"):
-        twin.send_goal(name, {})
-    for call in (twin.controller_manager, twin.emergency_stop, twin.robot_state):
+        twin.graph.send_goal(name, {})
+    for call in (twin.control.manager, twin.control.emergency_stop, twin.robot_state):
         with pytest.raises(InputError, match=r"unknown robot .*Valid: r"):
             call(name)
 
@@ -170,13 +175,13 @@ def test_a_topic_or_robot_of_any_type_that_does_not_exist_is_told_with_those_tha
 def test_what_is_no_number_is_refused_wherever_one_is_needed(make, value):
     twin = make("velocities")
     with pytest.raises(InputError, match="is not a finite number"):
-        twin.set_joint_positions("r", {"a": value})
+        twin.entities.set_joint_positions("r", {"a": value})
     with pytest.raises(InputError, match="is not a mapping of joints"):
-        twin.set_joint_positions("r", value)
+        twin.entities.set_joint_positions("r", value)
     with pytest.raises(InputError, match="is not a simulation time"):
         twin.advance_to(value)
     with pytest.raises(InputError, match="is not a real-time rate"):
-        twin.real_time_rate = value
+        twin.clock.real_time_rate = value
     if value is not None:
         with pytest.raises(InputError, match="invalid rate"):
             twin.subscribe("/clock", print, rate=value)
@@ -188,14 +193,14 @@ def test_what_is_no_number_is_refused_wherever_one_is_needed(make, value):
 def test_a_joint_that_a_trajectory_does_not_have_is_told_with_those_that_it_has(make):
     wrong = trajectory() | {"joint_names": ["a", "bb"]}
     twin = make("trajectories")
-    for call in (lambda: twin.publish(TRAJECTORY, wrong), lambda: twin.send_goal(ACTION, {"trajectory": wrong})):
+    for call in (lambda: twin.publish(TRAJECTORY, wrong), lambda: twin.graph.send_goal(ACTION, {"trajectory": wrong})):
         with pytest.raises(CommandError, match=r"an unknown joint 'bb'\. Did you mean 'b'. Valid: a, b"):
             call()
 
 
 @pytest.mark.parametrize("name", [None, 5, [], {}, b"velocities", ["velocities"], object()])
 def test_the_controller_manager_answers_whatever_it_is_asked(make, name):
-    manager = make("velocities").controller_manager("r")
+    manager = make("velocities").control.manager("r")
     for call in (manager.load_controller, manager.configure_controller, manager.unload_controller):
         assert not call(name)
         assert call(name).message
@@ -210,7 +215,7 @@ def test_the_controller_manager_answers_whatever_it_is_asked(make, name):
 
 def test_of_several_goals_sent_at_once_the_last_one_is_done_and_the_others_are_told_so(make):
     twin, told = make("trajectories"), []
-    goals = [twin.send_goal(ACTION, {"trajectory": trajectory(0.1 * i)}, told.append) for i in range(4)]
+    goals = [twin.graph.send_goal(ACTION, {"trajectory": trajectory(0.1 * i)}, told.append) for i in range(4)]
     assert [goal.status for goal in goals] == ["aborted", "aborted", "aborted", "accepted"]
     twin.advance_to(1.5)
     assert [goal.status for goal in goals] == ["aborted", "aborted", "aborted", "succeeded"]
@@ -227,7 +232,7 @@ def test_of_several_goals_sent_at_once_the_last_one_is_done_and_the_others_are_t
 )
 def test_a_goal_that_is_cancelled_before_the_next_step_never_moves_the_robot(make, controller, action, goal):
     twin, told = make(controller), []
-    sent = twin.send_goal(action, goal, told.append)
+    sent = twin.graph.send_goal(action, goal, told.append)
     sent.cancel()
     assert sent.status == "canceled"
     twin.advance_to(1.5)
@@ -245,12 +250,12 @@ def test_a_goal_that_is_cancelled_before_the_next_step_never_moves_the_robot(mak
 )
 def test_a_goal_whose_controller_is_deactivated_before_the_next_step_comes_to_its_end(make, controller, action, goal):
     twin, told = make(controller), []
-    sent = twin.send_goal(action, goal, told.append)
-    assert twin.controller_manager("r").switch_controller(deactivate=[controller])
+    sent = twin.graph.send_goal(action, goal, told.append)
+    assert twin.control.manager("r").switch_controller(deactivate=[controller])
     assert sent.is_done
     twin.step(30)
     assert told == [sent]
-    assert twin.controller_manager("r").switch_controller(activate=[controller])
+    assert twin.control.manager("r").switch_controller(activate=[controller])
     twin.advance_to(1.0)
     assert positions(twin) == pytest.approx([0, 0], abs=1e-3)
 
@@ -258,7 +263,7 @@ def test_a_goal_whose_controller_is_deactivated_before_the_next_step_comes_to_it
 def test_a_goal_after_a_trajectory_on_the_topic_takes_its_place(make):
     twin = make("trajectories")
     twin.publish(TRAJECTORY, trajectory(-0.5, -0.5))
-    goal = twin.send_goal(ACTION, {"trajectory": trajectory(0.3, 0.1)})
+    goal = twin.graph.send_goal(ACTION, {"trajectory": trajectory(0.3, 0.1)})
     twin.advance_to(1.5)
     assert goal.status == "succeeded"
     assert positions(twin) == pytest.approx([0.3, 0.1], abs=1e-3)
@@ -266,21 +271,21 @@ def test_a_goal_after_a_trajectory_on_the_topic_takes_its_place(make):
 
 def test_an_emergency_stop_cancels_the_goal_instead_of_letting_it_succeed_without_moving(make):
     twin = make("trajectories")
-    goal = twin.send_goal(ACTION, {"trajectory": trajectory()})
+    goal = twin.graph.send_goal(ACTION, {"trajectory": trajectory()})
     twin.step(300)
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     twin.advance_to(2.0)
     assert goal.status == "canceled"
     assert positions(twin)[0] < 0.3
     there = positions(twin)
-    twin.clear_emergency_stop("r")
+    twin.control.clear_emergency_stop("r")
     twin.advance_to(3.0)
     assert positions(twin) == pytest.approx(there, abs=1e-3)
 
 
 def test_a_result_that_nobody_can_be_told_is_refused_at_once(make):
     with pytest.raises(InputError, match="5 cannot be called with the goal"):
-        make("trajectories").send_goal(ACTION, {"trajectory": trajectory()}, 5)
+        make("trajectories").graph.send_goal(ACTION, {"trajectory": trajectory()}, 5)
 
 
 # Parameters files
@@ -319,7 +324,7 @@ def test_a_mistake_in_a_parameters_file_is_told_with_its_line(make, text, messag
     "text", ["", "controller_manager:\n  c: {type: a/B}\n", "controller_manager: {ros_parameters: {}}"]
 )
 def test_a_parameters_file_without_controllers_is_told(make, text):
-    (warning,) = make(controllers=text).warnings
+    (warning,) = make(controllers=text).findings.warnings
     assert "controllers.yaml: no controllers found for the namespace '/r'" in warning
 
 
@@ -349,16 +354,16 @@ def test_a_timeout_without_end_is_none(make):
 def test_a_real_time_rate_that_no_clock_keeps_is_refused(rate):
     twin = rovers(1).build()
     with pytest.raises(InputError, match=r"is not a real-time rate: it must be above zero and at most 1e\+06"):
-        twin.real_time_rate = rate
-    twin.real_time_rate = 1e6
+        twin.clock.real_time_rate = rate
+    twin.clock.real_time_rate = 1e6
     twin.run(0.02, each_frame=lambda: True)
     assert twin.time == pytest.approx(0.02)
 
 
 def test_a_push_can_last_as_long_as_time_itself():
     twin = rovers(1).build()
-    twin.apply_wrench("robot_1", force=(0, 0, 1.0), duration=1e308)
+    twin.entities.apply_wrench("robot_1", force=(0, 0, 1.0), duration=1e308)
     twin.advance_to(0.05)
-    twin.set_time_step(0.01)
+    twin.clock.set_time_step(0.01)
     twin.advance_to(0.1)
     assert twin.time == pytest.approx(0.1)

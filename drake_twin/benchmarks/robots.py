@@ -12,7 +12,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.world_file import read_world
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
-from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.planning.robot_plan import RobotPlan
 
 FRICTION = 0.9  # of tires on the ground: the smaller of both, as in Gazebo
 

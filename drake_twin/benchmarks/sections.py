@@ -61,7 +61,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
     engines = {name: Setting(name, step).make(workload, count, size.folder) for name in names}
     listening = Setting("twin", step).make(workload, count, size.folder)
     assert isinstance(listening, TwinEngine)
-    for topic in listening.twin.topics():
+    for topic in listening.twin.graph.topics():
         if topic in ("/tf", "/clock") or topic.endswith("/joint_states"):
             listening.twin.subscribe(topic, lambda message: None, 50)
     engines["listening"] = listening
@@ -100,11 +100,11 @@ def features(size: Size) -> list[Table]:
         ("/link_states at 50 Hz", ("/link_states",), 50),
     ):
         twins[name] = _twin(size, count)
-        for topic in twins[name].topics():
+        for topic in twins[name].graph.topics():
             if any(topic.endswith(end) for end in topics):
                 twins[name].subscribe(topic, lambda message: None, rate)
     twins["a recording"] = _twin(size, count)
-    twins["a recording"].record()
+    twins["a recording"].recorder.begin()
     from drake_twin.cockpit.scene import Scene
 
     scene, drawn = Scene(), _twin(size, count)
@@ -292,7 +292,7 @@ def real_time(size: Size) -> list[Table]:
         def receive(message: Any, received: list[int] = received) -> None:
             received[0] += 1
 
-        for topic in engine.twin.topics():
+        for topic in engine.twin.graph.topics():
             if topic.endswith("/joint_states"):
                 engine.twin.subscribe(topic, receive, 50)
         span = _whole(2.0 * size.scale, 0.1)

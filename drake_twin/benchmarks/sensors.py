@@ -99,7 +99,7 @@ def _runs(size: Size, world: Path, count: int) -> list[tuple[int, str, float]]:
         cases[what] = _twin(size, world, count)
         for index in range(count):
             topic = f"/robot_{index}/{kind.topic}"
-            if topic in cases[what].topics():
+            if topic in cases[what].graph.topics():
                 cases[what].subscribe(topic, lambda message: None)
     span = max(0.1, 0.2 * size.scale)
 
@@ -117,7 +117,7 @@ def _costs(size: Size, world: Path, count: int) -> list[tuple[int, str, float | 
     with _twin(size, world, count) as twin:
         for kind in _KINDS:
             topic = f"/robot_0/{kind.topic}"
-            if topic not in twin.topics() or twin.latest(topic) is None:
+            if topic not in twin.graph.topics() or twin.latest(topic) is None:
                 rows.append((count, kind.what, None, None))
                 continue
             own, drawing = _cost(twin, partial(twin.latest, topic), max(3, round(30 * size.scale)))

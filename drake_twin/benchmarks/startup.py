@@ -34,7 +34,7 @@ phase("import drake_twin")
 scenario = demo_scenario("rover", 2)
 phase("the scenario")
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 packages = PackageIndex(())
 plans = [plan_robot(robot, packages) for robot in scenario.robots]
 phase("xacro, URDF and parameters of two rovers")

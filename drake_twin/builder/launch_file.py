@@ -17,7 +17,8 @@ from drake_twin.findings import Finding, Kind, merged
 from drake_twin.from_launch.launched_entities import LaunchedEntities, LaunchedFrame, RobotHint, launched_entities
 from drake_twin.planning.bridged_sensors import misspelt, unpublished
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED
-from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import topics_with_one_owner
 from drake_twin.planning.world_sensors import plan_models
 from drake_twin.scenario import Command, Scenario, ScenarioError, StaticTransform

@@ -8,7 +8,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import robot_name_in_file
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import Footprint, footprint, height_on_ground
-from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Robot, Scenario, name_in_twin
 
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")

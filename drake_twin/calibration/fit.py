@@ -162,7 +162,7 @@ def _read(
     if not logs:
         raise InputError("no log is given: --log names one")
     with Twin(scenario) as twin:
-        endpoints = twin.endpoints
+        endpoints = twin.graph.endpoints
     found = []
     for log in logs:
         if isinstance(log, Recording):

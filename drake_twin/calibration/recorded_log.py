@@ -36,7 +36,7 @@ def recorded_log(recording: Recording, endpoints: Sequence[Endpoint], name: str 
         if twin.time > 0:
             raise InputError(f"it begins at {twin.time:g} s: record from the twin's start", file=name)
         for topic, kind in published.items():
-            if twin.topics().get(topic) == kind:
+            if twin.graph.topics().get(topic) == kind:
                 own = received.setdefault(topic, [])
                 twin.subscribe(topic, lambda message, own=own: own.append((twin.time, message)))  # type: ignore[misc]
         for call in recording.calls:

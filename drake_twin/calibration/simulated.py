@@ -57,7 +57,7 @@ class SimulatedLog:
         self._twin = Twin(self._base)
         self._end = log.end + margin + _MORE
         self._messages: dict[str, list[tuple[float, object]]] = {}
-        self._types = {item.name: item.type for item in self._twin.endpoints}
+        self._types = {item.name: item.type for item in self._twin.graph.endpoints}
         for item in log.measured:
             self._observe(item.twin_topic)
         self.log = self._comparable(log, notes)
@@ -80,7 +80,7 @@ class SimulatedLog:
         for robot in self._base.robots if moved else ():
             begins = robot.initial_positions
             own = {joint: begins[joint] + way for joint, way in moved.items() if joint in begins}
-            self._twin.set_joint_positions(robot.name, own)
+            self._twin.entities.set_joint_positions(robot.name, own)
         for command in self.log.commands:
             if command.time > self._twin.time:
                 self._twin.advance_to(command.time)
@@ -119,7 +119,7 @@ class SimulatedLog:
         received: list[tuple[float, object]] = []
         self._messages[topic] = received
         twin = self._twin
-        rate = min(LEAST_RATE, 1.0 / twin.time_step)
+        rate = min(LEAST_RATE, 1.0 / twin.clock.time_step)
         twin.subscribe(topic, lambda message: received.append((twin.time, message)), rate=rate)
 
     def _series(self, topic: str) -> dict[str, Series]:
@@ -135,7 +135,7 @@ class SimulatedLog:
     def _comparable(self, log: Log, notes: list[str]) -> Log:
         """Return the log without the numbers that the twin lacks."""
         self._start({})
-        self._twin.advance_to(2.0 / LEAST_RATE + self._twin.time_step)
+        self._twin.advance_to(2.0 / LEAST_RATE + self._twin.clock.time_step)
         own = {topic: self._series(topic) for topic in self._messages}
         kept = []
         for item in log.measured:
@@ -160,8 +160,8 @@ class SimulatedLog:
         """Return the scenario with the joint positions at the log's start, and without commands and noise."""
         robots = []
         with Twin(scenario) as twin:
-            own_topics = {item.name: item for item in twin.endpoints}
-            for plan in twin.plans:
+            own_topics = {item.name: item for item in twin.graph.endpoints}
+            for plan in twin.built.plans:
                 positions: dict[str, float] = {}
                 for item in log.measured:
                     endpoint = own_topics[item.twin_topic]

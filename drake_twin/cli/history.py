@@ -118,7 +118,7 @@ class HistoryRecorder:
         if number % self._stride:
             return
         states = {}
-        for plan in twin.plans:
+        for plan in twin.built.plans:
             if plan.name not in self._units or number == 0:
                 joints = plan.description.movable_joints
                 self._units[plan.name] = {joint.name: "m" if joint.type == "prismatic" else "rad" for joint in joints}

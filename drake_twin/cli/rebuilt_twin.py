@@ -39,7 +39,7 @@ def rebuilt_twin(
         say(f"error: {error}\nThe last good twin continues.", sys.stderr)
         return twin, target, watch.renewed(files)
     if twin.recorder.is_on:
-        new_twin.record()
-    new_twin.paused = twin.paused
-    new_twin.real_time_rate = twin.real_time_rate
+        new_twin.recorder.begin()
+    new_twin.clock.paused = twin.clock.paused
+    new_twin.clock.real_time_rate = twin.clock.real_time_rate
     return new_twin, new_target, watch.renewed(files)

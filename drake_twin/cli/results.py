@@ -35,7 +35,7 @@ def save_results(
     if options.save_state is not None:
         writers.append(lambda: twin.snapshot().save(options.save_state))
     if options.record is not None:
-        writers.append(lambda: twin.recording().save(options.record))
+        writers.append(lambda: twin.recorder.recording().save(options.record))
     writers.append(partial(_report, twin, simulated, wall_time, options.summary, failure))
     for write in writers:
         try:

@@ -5,16 +5,16 @@ from drake_twin.twin.twin import Twin
 
 def topics_text(twin: Twin) -> str:
     """Return what ``ros2 topic list -t`` prints, followed by the actions."""
-    lines = [f"{topic} [{kind}]" for topic, kind in sorted(twin.topics().items())]
-    lines += [f"{action} [{kind}] (action)" for action, kind in sorted(twin.actions().items())]
+    lines = [f"{topic} [{kind}]" for topic, kind in sorted(twin.graph.topics().items())]
+    lines += [f"{action} [{kind}] (action)" for action, kind in sorted(twin.graph.actions().items())]
     return "\n".join(lines)
 
 
 def controllers_text(twin: Twin) -> str:
     """Return what ``ros2 control list_controllers`` prints, for each controller manager."""
     lines = []
-    for plan in twin.plans:
-        states = twin.controller_manager(plan.name).list_controllers()
+    for plan in twin.built.plans:
+        states = twin.control.manager(plan.name).list_controllers()
         lines.append(f"{plan.robot.topic_namespace}/controller_manager:")
         if not states:
             lines.append("  No controllers are currently loaded!")

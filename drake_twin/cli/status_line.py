@@ -31,7 +31,7 @@ class StatusLine:
         if not self._is_shown or now - then < _PERIOD:
             return
         factor = max(0.0, sim_time - sim_then) / (now - then)
-        state = "paused" if self._twin.paused else f"real-time factor {factor:.2f}"
+        state = "paused" if self._twin.clock.paused else f"real-time factor {factor:.2f}"
         say(f"\r\033[Ksim time {sim_time:.2f} s   {state}", end="")
         self._last = (now, sim_time)
 

@@ -122,7 +122,8 @@ class Cockpit:
         if self._server.is_watched:
             self.draw()
         self._frame += 1
-        factor = self._factor.note(wall_clock.perf_counter(), self._clock.time, paused=self._clock.paused)
+        paused = self._twin.clock.paused if self._player is None else self._player.paused
+        factor = self._factor.note(wall_clock.perf_counter(), self._clock.time, paused=paused)
         self._publish(factor)
 
     def _hear(self) -> None:
@@ -153,12 +154,12 @@ class Cockpit:
         self._camera.draw(self._twin)
 
     def _follow_robots(self) -> None:
-        if self._plans is not self._twin.plans:
+        if self._plans is not self._twin.built.plans:
             self._read_robots()
 
     def _read_robots(self) -> None:
         """Read the twin's present robots: their sliders, drives, joints and overlays."""
-        self._plans = self._twin.plans
+        self._plans = self._twin.built.plans
         self._commands = JointCommands(self._twin)
         self._teleop = Teleop(self._twin)
         self._posed = PosedJoints(self._twin)
@@ -223,9 +224,9 @@ class Cockpit:
             case protocol.GoOnFrom(time):
                 self._go_on_from(time)
             case protocol.SetRate(rate):
-                twin.real_time_rate = rate
+                twin.clock.real_time_rate = rate
             case protocol.SetTimeStep(seconds):
-                twin.set_time_step(seconds)
+                twin.clock.set_time_step(seconds)
             case protocol.Switch(robot, controller, active):
                 self._switch(robot, controller, active)
             case protocol.SwitchTo(robot, controller):
@@ -235,14 +236,14 @@ class Cockpit:
             case protocol.Drive(topic, x, y, turn):
                 self._teleop.drive(client, topic, (x, y, turn))
             case protocol.EmergencyStop(robot):
-                twin.emergency_stop(robot)
+                twin.control.emergency_stop(robot)
                 self._commands.forget()
             case protocol.ClearEmergencyStop(robot):
-                twin.clear_emergency_stop(robot)
+                twin.control.clear_emergency_stop(robot)
             case protocol.Record(on):
                 self._record(on)
             case protocol.Delete(robot):
-                twin.delete(robot)
+                twin.entities.delete(robot)
 
     def _run_to(self, time: float) -> None:
         """Continue, and pause at the first step that is not before a time (s)."""
@@ -273,7 +274,7 @@ class Cockpit:
         self._log.add("info", f"the twin went back from {now:.3f} s and continues from {reached:.3f} s")
 
     def _switch(self, robot: str, controller: str, active: bool) -> None:
-        manager = self._twin.controller_manager(robot)
+        manager = self._twin.control.manager(robot)
         if active and manager.states.get(controller) is None:
             manager.load_controller(controller)
         if active and manager.states.get(controller) == "unconfigured":
@@ -289,8 +290,8 @@ class Cockpit:
 
         Those that it writes to, in a chain, are activated with it; those that write to what is replaced end with that.
         """
-        manager = self._twin.controller_manager(robot)
-        plan = next(plan for plan in self._twin.plans if plan.name == robot)
+        manager = self._twin.control.manager(robot)
+        plan = next(plan for plan in self._twin.built.plans if plan.name == robot)
         joints = {item.name: {claim.joint for claim in item.claims} for item in plan.controllers}
         below = {item.name: chained_to(item, joints) for item in plan.controllers}
         chain = [controller]

@@ -19,13 +19,13 @@ _TRANSFORMS = "tf2_msgs/msg/TFMessage"
 def all_endpoints(twin: Twin, known: tuple[Endpoint, ...]) -> tuple[Endpoint, ...]:
     """Return the endpoints of a twin and of its node programs; the known ones if these are still the same."""
     more = twin.more_topics
-    found = twin.endpoints if more is None else (*twin.endpoints, *more.endpoints())
+    found = twin.graph.endpoints if more is None else (*twin.graph.endpoints, *more.endpoints())
     return known if found == known else found
 
 
 def is_of_twin(twin: Twin, topic: str) -> bool:
     """Return whether the diagram itself publishes a topic."""
-    return any(item.name == topic and item.kind == PUBLISHED for item in twin.endpoints)
+    return any(item.name == topic and item.kind == PUBLISHED for item in twin.graph.endpoints)
 
 
 def tap(twin: Twin, type_: str, topics: Callable[[str], bool], note: Callable[[str, Any], None]) -> Callable[[], None]:
@@ -107,7 +107,7 @@ class TopicRate:
         self._times: deque[float] = deque(maxlen=_MEASURED)
         self._ends = [tap(twin, endpoint.type, endpoint.name.__eq__, self._note)]
         if is_of_twin(twin, endpoint.name):
-            self._ends.append(twin.subscribe_drafts(endpoint.name, self._note))
+            self._ends.append(twin.graph.subscribe_drafts(endpoint.name, self._note))
 
     def end(self) -> None:
         """Listen no longer."""

@@ -87,7 +87,7 @@ def details(twin: Twin, node: Node) -> Details:
 
 
 def _edits(twin: Twin, node: Node) -> tuple[str, ...]:
-    plan = next((plan for plan in twin.plans if plan.name == node.owner), None)
+    plan = next((plan for plan in twin.built.plans if plan.name == node.owner), None)
     if plan is None and "::" in node.owner:
         return ()  # a sensor of a model inside another
     if plan is None:
@@ -101,11 +101,11 @@ def pose_of(twin: Twin, entity: str) -> tuple[Vector3, Vector3]:
     """Return position (m) and roll, pitch, yaw (rad) of a robot or a model of the world, static ones included."""
     from pydrake.common.eigen_geometry import Quaternion
 
-    models = () if twin.world_file is None else twin.world_file.models
+    models = () if twin.built.world_file is None else twin.built.world_file.models
     static = next((item.pose for item in models if item.name == entity and item.is_static), None)
     if static is not None:
         return static.xyz, static.rpy
-    state = twin.entity_state(entity)
+    state = twin.entities.state(entity)
     w, x, y, z = np.array(state.orientation) / np.linalg.norm(state.orientation)
     roll, pitch, yaw = RollPitchYaw(Quaternion(w, x, y, z)).vector()
     return state.position, (float(roll), float(pitch), float(yaw))
@@ -125,12 +125,12 @@ def _robot(twin: Twin, node: Node) -> Iterator[Section]:
             *(Row(name, text=value) for name, value in plan.robot.xacro_args.items()),
         ),
     )
-    states = twin.controller_manager(plan.name).states
+    states = twin.control.manager(plan.name).states
     yield Section(
         "Controllers",
         tuple(Row(item.name, text=f"{states.get(item.name) or 'unloaded'}, {item.type}") for item in plan.controllers),
     )
-    own = (item for item in twin.endpoints if item.robot == plan.name)
+    own = (item for item in twin.graph.endpoints if item.robot == plan.name)
     yield Section("Topics and actions", tuple(Row(item.name, text=f"{item.kind}, {item.type}") for item in own))
     about = (finding for finding in twin.findings if finding.robot == plan.name)
     yield Section("Findings", tuple(Row(str(finding.kind), text=finding.sentence) for finding in about))
@@ -148,7 +148,7 @@ def _link(twin: Twin, node: Node) -> Iterator[Section]:
         about_com = inertia.Shift(inertia.get_com()).CalcRotationalInertia()
         rows.append(_numbers("Moments of inertia", "kg·m²", about_com.get_moments()))
     yield Section("Mass", tuple(rows))
-    yield _contact(item for item in twin.collision_shapes if item.body == body.index())
+    yield _contact(item for item in twin.built.shapes if item.body == body.index())
 
 
 def _joint(twin: Twin, node: Node) -> Iterator[Section]:
@@ -164,7 +164,7 @@ def _joint(twin: Twin, node: Node) -> Iterator[Section]:
         yield Section("State", tuple(rows))
     yield Section("Joint", tuple(_joint_rows(joint, units)))
     claiming = [item for item in plan.controllers for claim in item.claims if claim.joint == joint.name]
-    states = twin.controller_manager(plan.name).states
+    states = twin.control.manager(plan.name).states
     names = dict.fromkeys(item.name for item in claiming)
     yield Section("Controllers", tuple(Row(name, text=states.get(name) or "unloaded") for name in names))
 
@@ -188,7 +188,9 @@ def _joint_rows(joint: Joint, units: tuple[str, str, str]) -> Iterator[Row]:
 
 
 def _sensor(twin: Twin, node: Node) -> Iterator[Section]:
-    simulated = next((item for owner, item in twin.sensors if (owner, item.place) == (node.owner, node.name)), None)
+    simulated = next(
+        (item for owner, item in twin.entities.sensors if (owner, item.place) == (node.owner, node.name)), None
+    )
     if simulated is None:
         sensor = next(item for item in _plan(twin, node).description.sensors if place_of(item) == node.name)
     else:
@@ -209,28 +211,28 @@ def _sensor(twin: Twin, node: Node) -> Iterator[Section]:
 
 
 def _model(twin: Twin, node: Node) -> Iterator[Section]:
-    assert twin.world_file is not None
-    model = next(item for item in twin.world_file.models if item.name == node.name)
+    assert twin.built.world_file is not None
+    model = next(item for item in twin.built.world_file.models if item.name == node.name)
     if model.is_static:
         rows = (_numbers("Position", "m", model.pose.xyz), _numbers("Roll, pitch, yaw", "rad", model.pose.rpy))
         yield Section("Pose", rows)
         yield Section("Model", (Row("Moves", text="never: it is static"), Row("File", text=str(model.place))))
-        own = (item for item in twin.collision_shapes if not item.model and f"{model.name}/" in item.name)
+        own = (item for item in twin.built.shapes if not item.model and f"{model.name}/" in item.name)
         yield _contact(own)
     elif instances := instances_of(twin, node.owner):
         yield _motion(twin, node.entity)
         mass = twin.plant.CalcTotalMass(twin.plant.GetMyContextFromRoot(twin.context), instances)
         yield Section("Model", (_number("Mass", "kg", mass), Row("File", text=str(model.place))))
         bodies = {index for instance in instances for index in twin.plant.GetBodyIndices(instance)}
-        yield _contact(item for item in twin.collision_shapes if item.body in bodies)
-    file = PurePath(twin.world_file.file or "").name
+        yield _contact(item for item in twin.built.shapes if item.body in bodies)
+    file = PurePath(twin.built.world_file.file or "").name
     about = [item for item in twin.findings if PurePath(item.file).name == file and model.name in item.what]
     yield Section("Findings", tuple(Row(str(finding.kind), text=finding.sentence) for finding in about))
 
 
 def _light(twin: Twin, node: Node) -> Iterator[Section]:
-    assert twin.world_file is not None
-    light = twin.world_file.surroundings.lights[int(node.name.rpartition(" ")[2]) - 1]
+    assert twin.built.world_file is not None
+    light = twin.built.world_file.surroundings.lights[int(node.name.rpartition(" ")[2]) - 1]
     rows = [Row("Kind", text=light.kind), _numbers("Color", "", light.color), _number("Intensity", "", light.intensity)]
     if light.kind != "directional":
         rows.append(_numbers("Position", "m", light.position))
@@ -240,7 +242,7 @@ def _light(twin: Twin, node: Node) -> Iterator[Section]:
 
 
 def _ground(twin: Twin, _node: Node) -> Iterator[Section]:
-    yield _contact(item for item in twin.collision_shapes if isinstance(item.shape, HalfSpace))
+    yield _contact(item for item in twin.built.shapes if isinstance(item.shape, HalfSpace))
 
 
 _SECTIONS = {
@@ -255,7 +257,7 @@ _SECTIONS = {
 
 
 def _motion(twin: Twin, entity: str) -> Section:
-    state = twin.entity_state(entity)
+    state = twin.entities.state(entity)
     xyz, rpy = pose_of(twin, entity)
     return Section(
         "Pose and twist in the world",
@@ -281,7 +283,7 @@ def _shape(shape: Shape) -> str:
 
 
 def _plan(twin: Twin, node: Node) -> RobotPlan:
-    return next(plan for plan in twin.plans if plan.name == node.owner)
+    return next(plan for plan in twin.built.plans if plan.name == node.owner)
 
 
 def _body(twin: Twin, node: Node) -> RigidBody:

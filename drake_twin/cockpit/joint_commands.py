@@ -69,14 +69,14 @@ class SliderGroup:
 
 def slider_groups(twin: Twin) -> tuple[SliderGroup, ...]:
     """Return the command topics and actions that sliders can command."""
-    plans = {plan.name: plan for plan in twin.plans}
+    plans = {plan.name: plan for plan in twin.built.plans}
     groups = []
-    for topic, item in twin.commanded.items():
+    for topic, item in twin.built.commanded.items():
         plan = plans[item.robot]
         if item.type == _NUMBERS:
             sliders = [
                 _slider(plan, interface.joint, interface.name, *bounds)
-                for interface, bounds in twin.command_limits(topic).items()
+                for interface, bounds in twin.graph.command_limits(topic).items()
                 if interface.joint not in plan.description.gpios
             ]
         elif item.type == _TRAJECTORY:
@@ -92,8 +92,8 @@ def slider_groups(twin: Twin) -> tuple[SliderGroup, ...]:
 
 
 def _grippers(twin: Twin) -> Iterator[SliderGroup]:
-    actions = twin.actions()
-    for plan in twin.plans:
+    actions = twin.graph.actions()
+    for plan in twin.built.plans:
         for controller in plan.controllers:
             action = f"{plan.robot.topic_namespace}/{controller.name}/gripper_cmd"
             if actions.get(action) not in (_GRIPPER, _PARALLEL_GRIPPER) or not controller.claims:
@@ -127,7 +127,7 @@ class JointCommands:
         group = self.groups[topic]
         if group.type != _NUMBERS:
             return self._targets.get(topic, self._at_rest(group))
-        command = self._twin.command(topic)
+        command = self._twin.graph.command(topic)
         return self._at_rest(group) if command is None else np.asarray(command.data, dtype=float)
 
     def message(self, topic: str) -> dict[str, Any]:
@@ -149,9 +149,9 @@ class JointCommands:
         values = self.values(topic).copy()
         values[index] = min(max(value, group.sliders[index].lower), group.sliders[index].upper)
         if group.type in (_GRIPPER, _PARALLEL_GRIPPER):
-            self._twin.send_goal(topic, self._grip(group, float(values[0])))
+            self._twin.graph.send_goal(topic, self._grip(group, float(values[0])))
         else:
-            self._twin.silence(topic)
+            self._twin.graph.silence(topic)
             self._twin.publish(topic, values if group.type == _NUMBERS else self._trajectory(group, values))
         if group.type != _NUMBERS:
             self._targets[topic] = values
@@ -184,7 +184,7 @@ class JointCommands:
         return {"command": {"position": position, "max_effort": effort}}
 
     def _joint(self, group: SliderGroup, slider: Slider) -> Joint:
-        plan = next(plan for plan in self._twin.plans if plan.name == group.robot)
+        plan = next(plan for plan in self._twin.built.plans if plan.name == group.robot)
         return plan.description.joints_by_name[slider.joint]
 
     def _trajectory(self, group: SliderGroup, values: np.ndarray) -> dict[str, Any]:

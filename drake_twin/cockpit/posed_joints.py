@@ -15,11 +15,11 @@ class PosedJoints:
         self._twin = twin
         self._positions = {
             plan.name: {
-                joint.name: plan.start_positions[joint.name]
+                joint.name: plan.joints.start_positions[joint.name]
                 for joint in plan.description.movable_joints
                 if joint.mimic is None
             }
-            for plan in twin.plans
+            for plan in twin.built.plans
         }
 
     def move(self, robot: str, joint: str, position: float) -> None:
@@ -34,4 +34,4 @@ class PosedJoints:
         if joint not in positions:
             raise InputError(f"robot {robot!r} has no movable joint {joint!r} of its own", value=joint, valid=positions)
         positions[joint] = position
-        self._twin.set_joint_positions(robot, positions)
+        self._twin.entities.set_joint_positions(robot, positions)

@@ -1,13 +1,12 @@
 """The requests that a browser may send; any other message is ignored."""
 
 import json
-import types
 import typing
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from functools import cache
-from math import isfinite
+from dataclasses import dataclass
 from typing import Any
+
+from drake_twin.typed_data import Reader, ValuePath, field_types
 
 _LONGEST_TEXT = 1000
 _LONGEST_LINES = 20_000
@@ -253,42 +252,29 @@ def read_as(kinds: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
         None if the name is unknown, a field is missing, unknown or of the wrong type, or a number is not finite.
     """
     kind = data.get("do")
-    if not isinstance(kind, str) or kind not in kinds:
+    if not isinstance(kind, str) or kind not in kinds or data.keys() - {"do"} != field_types(kinds[kind]).keys():
         return None
-    given = {name: value for name, value in data.items() if name != "do"}
-    field_types = _field_types(kinds[kind])
-    if given.keys() != field_types.keys():
-        return None
-    values = {name: _value(field_types[name], value) for name, value in given.items()}
-    return None if None in values.values() else kinds[kind](**values)
-
-
-@cache
-def _field_types(kind: Any) -> dict[str, Any]:
-    hints = typing.get_type_hints(kind)
-    return {item.name: hints[item.name] for item in fields(kind)}
-
-
-def _value(kind: Any, value: Any) -> Any:
-    """Return a value as the annotated type; None if it does not fit."""
-    if isinstance(kind, types.GenericAlias):
-        if not isinstance(value, list) or len(value) != len(typing.get_args(kind)):
-            return None
-        items = tuple(_value(float, item) for item in value)
-        return None if None in items else items
-    if kind is bool:
-        return value if isinstance(value, bool) else None
-    if kind is Lines:
-        fits = isinstance(value, str) and len(value) <= _LONGEST_LINES and value.replace("\n", "").isprintable()
-        return value if fits else None
-    if kind is str:
-        return value if isinstance(value, str) and len(value) <= _LONGEST_TEXT and value.isprintable() else None
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    if kind is int:
-        return value if isinstance(value, int) and abs(value) < 2**31 else None
     try:
-        number = float(value)
-    except OverflowError:
+        return _Reader(_unfit).read(kinds[kind], {name: value for name, value in data.items() if name != "do"})
+    except _UnfitError:
         return None
-    return number if isfinite(number) else None
+
+
+class _UnfitError(Exception):
+    pass
+
+
+def _unfit(path: ValuePath, message: str, **more: Any) -> _UnfitError:
+    return _UnfitError(message)
+
+
+class _Reader(Reader):
+    largest = 2**31
+
+    def read_scalar(self, kind: Any, value: Any, path: ValuePath) -> Any:
+        if not isinstance(value, str):
+            return super().read_scalar(str if kind is Lines else kind, value, path)
+        longest, shown = (_LONGEST_LINES, value.replace("\n", "")) if kind is Lines else (_LONGEST_TEXT, value)
+        if kind not in (str, Lines) or len(value) > longest or not shown.isprintable():
+            raise self.error(path, "this is not such a text")
+        return value

@@ -45,7 +45,7 @@ def png(file: str, arguments: Mapping[str, str], folders: Sequence[str]) -> byte
     from drake_twin.description.surroundings import Surroundings
     from drake_twin.diagram.footprint import footprint
     from drake_twin.diagram.plant import add_plant
-    from drake_twin.planning.robot_plan import plan_robot
+    from drake_twin.planning.plan_robot import plan_robot
     from drake_twin.scenario import POINT, Robot, Scenario, World
     from drake_twin.sensors.cameras.picture import COLOR, View
     from drake_twin.sensors.cameras.render_process import NoOpenGLError, Painter

@@ -72,7 +72,7 @@ class SensorView:
 
     def read_robots(self) -> None:
         """Read the twin's present robots; what is gone is shown no more."""
-        self._plans = {f"{owner}/{item.place}": (owner, item) for owner, item in self._twin.sensors}
+        self._plans = {f"{owner}/{item.place}": (owner, item) for owner, item in self._twin.entities.sensors}
         for key in [key for key in self._shown if key not in self._plans]:
             self.show(key, False)
 

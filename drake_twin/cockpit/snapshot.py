@@ -39,7 +39,9 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
                         "type": group.type,
                         "controller": group.controller,
                         "sliders": [asdict(slider) for slider in group.sliders],
-                        "home": [twin.start_positions(plan.name).get(item.joint, 0.0) for item in group.sliders],
+                        "home": [
+                            twin.entities.start_positions(plan.name).get(item.joint, 0.0) for item in group.sliders
+                        ],
                     }
                     for group in commands.groups.values()
                     if group.robot == plan.name and not only_displayed
@@ -58,7 +60,7 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
                     for joint in plan.description.movable_joints
                 ],
             }
-            for plan in twin.plans
+            for plan in twin.built.plans
         ],
     }
 
@@ -73,11 +75,11 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any], *, with_
         with_efforts: Whether to evaluate efforts, for which the plant solves the next step; else they are None.
     """
     robots = {}
-    for plan in twin.plans:
+    for plan in twin.built.plans:
         at = twin.robot_state(plan.name, with_efforts=with_efforts)
         robots[plan.name] = {
-            "stopped": twin.is_stopped(plan.name),
-            "controllers": twin.controller_manager(plan.name).states,
+            "stopped": twin.control.is_stopped(plan.name),
+            "controllers": twin.control.manager(plan.name).states,
             "positions": _rounded(at.positions),
             "velocities": _rounded(at.velocities),
             "efforts": _rounded(at.efforts) if with_efforts else None,
@@ -85,9 +87,9 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any], *, with_
         }
     return {
         "time": round(twin.time, 9),
-        "steps": twin.step_count,
-        "paused": twin.paused,
-        "rate": twin.real_time_rate,
+        "steps": twin.clock.step_count,
+        "paused": twin.clock.paused,
+        "rate": twin.clock.real_time_rate,
         "time_step": twin.scenario.time_step,
         "robots": robots,
         "commands": {topic: _rounded(commands.values(topic)) for topic in commands.groups},

@@ -20,7 +20,7 @@ from drake_twin.description.robot_model import is_xacro_text, read_robot_file
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import height_on_ground
 from drake_twin.errors import InputError, TwinError
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.scenario import Robot
 from drake_twin.twin.twin import Twin
 
@@ -209,7 +209,7 @@ class SpawnPanel:
             x, y, z = robot.xyz
             robot = replace(robot, xyz=(x, y, z + height_on_ground(plan)))
             plan = replace(plan, robot=robot)
-        self._twin.spawn(robot, plan=plan)
+        self._twin.entities.spawn(robot, plan=plan)
         self._outcome = {"key": request.key, "status": "done", "message": ""}
 
     def _try(self, do: Callable[[], None], key: str) -> None:

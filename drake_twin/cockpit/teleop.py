@@ -31,7 +31,7 @@ class Teleop:
         self._twin = twin
         self.topics = {
             topic: (item.robot, item.controller)
-            for topic, item in twin.commanded.items()
+            for topic, item in twin.built.commanded.items()
             if item.type in (_TWIST, _STAMPED)
         }
         self._drivers: dict[str, _Driver] = {}
@@ -44,7 +44,7 @@ class Teleop:
         """
         if topic not in self.topics:
             raise InputError(f"{topic!r} does not drive a base", value=topic, valid=self.topics)
-        self._twin.silence(topic)
+        self._twin.graph.silence(topic)
         self._drivers[topic] = _Driver(client, velocities)
 
     def leave(self, client: int) -> None:
@@ -63,11 +63,11 @@ class Teleop:
         Raises:
             InputError: If the twin refuses a command; its driver is forgotten.
         """
-        if self._twin.paused:
+        if self._twin.clock.paused:
             return
         for topic, driver in list(self._drivers.items()):
             robot, controller = self.topics[topic]
-            if not self._twin.controller_manager(robot).is_active(controller):
+            if not self._twin.control.manager(robot).is_active(controller):
                 del self._drivers[topic]
                 continue
             gone = driver.silent_frames >= _MOST_SILENT_FRAMES
@@ -84,4 +84,4 @@ class Teleop:
     def _message(self, topic: str, velocities: tuple[float, float, float]) -> dict[str, Any]:
         x, y, turn = velocities
         twist = {"linear": {"x": x, "y": y}, "angular": {"z": turn}}
-        return {"twist": twist} if self._twin.commanded[topic].type == _STAMPED else twist
+        return {"twist": twist} if self._twin.built.commanded[topic].type == _STAMPED else twist

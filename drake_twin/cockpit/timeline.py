@@ -70,7 +70,7 @@ class Timeline:
 
     def draw(self) -> bool:
         """Draw the moment that is looked at; return False if that is the present, which is not drawn here."""
-        if self._looked is not None and (not self._twin.paused or self._twin.step_count != self._present):
+        if self._looked is not None and (not self._twin.clock.paused or self._twin.clock.step_count != self._present):
             self.look_at_now()
         if self._looked is None:
             return False
@@ -104,7 +104,7 @@ class Timeline:
         index = bisect_left(times, time)
         near = range(max(0, index - 1), min(len(times), index + 1))
         self._twin.pause()
-        self._present = self._twin.step_count
+        self._present = self._twin.clock.step_count
         self._looked = self._pictures[min(near, key=lambda item: abs(times[item] - time))]
         self._scene.set_property(OVERLAYS, "visible", False)  # they show the present
 

@@ -20,13 +20,13 @@ def form_of(twin: Twin, topic: str) -> dict[str, Any]:
         joints, and is empty for others.
     """
     commands = JointCommands(twin)
-    present = twin.command(topic)
+    present = twin.graph.command(topic)
     data: Any = {} if present is None else present
     if topic in commands.groups:
         data = commands.message(topic)
-    fields = plain_data(messages.message(twin.commanded[topic].type, data))
+    fields = plain_data(messages.message(twin.built.commanded[topic].type, data))
     short = data if topic in commands.groups else fields
-    labels = [f"{claim.joint} {claim.name}" for claim in twin.command_limits(topic)]
+    labels = [f"{claim.joint} {claim.name}" for claim in twin.graph.command_limits(topic)]
     return {"fields": _finite(fields), "labels": labels, "text": _yaml(short)}
 
 

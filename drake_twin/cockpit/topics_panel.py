@@ -266,10 +266,10 @@ class TopicsPanel:
             is_known = heard.message is not None
             message = heard.message if is_known else self._present(topic)
             echo |= {"time": heard.time if is_known else None, "rate": self._rates[topic].rate, "rows": _rows(message)}
-        elif topic in self._twin.commanded:
-            echo["rows"] = _rows(self._twin.command(topic))
+        elif topic in self._twin.built.commanded:
+            echo["rows"] = _rows(self._twin.graph.command(topic))
         if topic not in self._forms and (type_ := self._listeners_type(topic)) is not None:
-            is_twins = topic in self._twin.commanded
+            is_twins = topic in self._twin.built.commanded
             with contextlib.suppress(ValueError):  # of a type that nobody knows here
                 self._forms[topic] = form_of(self._twin, topic) if is_twins else empty_form(type_)
         echo["form"] = self._forms.get(topic)
@@ -281,8 +281,8 @@ class TopicsPanel:
 
     def _present(self, topic: str) -> Any:
         """Return a topic's message while time stands still; none of a sensor, which would measure for it."""
-        of_sensors = {item.topic for _, plan in self._twin.sensors for item in plan.topics}
-        is_there = self._twin.paused and topic not in of_sensors and is_of_twin(self._twin, topic)
+        of_sensors = {item.topic for _, plan in self._twin.entities.sensors for item in plan.topics}
+        is_there = self._twin.clock.paused and topic not in of_sensors and is_of_twin(self._twin, topic)
         return self._twin.latest(topic) if is_there else None
 
     def _publish(self, request: Publish) -> None:
@@ -297,15 +297,15 @@ class TopicsPanel:
         except InputError as error:
             self._outcome |= {"problem": str(error), "text": ""}
             return
-        item = twin.commanded.get(request.topic)
-        if item is not None and not twin.controller_manager(item.robot).is_active(item.controller):
+        item = twin.built.commanded.get(request.topic)
+        if item is not None and not twin.control.manager(item.robot).is_active(item.controller):
             self._outcome["text"] += f" {item.controller} is not active and does not hear it."
 
     def _send(self, request: Publish) -> None:
         """Publish a message to a controller, or to the node programs that listen."""
         twin, topic, data = self._twin, request.topic, _message(request)
         type_ = self._listeners_type(topic)
-        if topic in twin.commanded or type_ is None or twin.more_topics is None:
+        if topic in twin.built.commanded or type_ is None or twin.more_topics is None:
             twin.publish(topic, data)
             return
         try:
@@ -320,7 +320,7 @@ class TopicsPanel:
     def _frames(self) -> list[dict[str, Any]]:
         """Return each frame with the one above it, its translation (m) and roll, pitch, yaw (rad) in that."""
         tree = self._tree
-        for item in self._twin.endpoints:
+        for item in self._twin.graph.endpoints:
             if item.kind == PUBLISHED and item.type == _TRANSFORMS and (message := self._twin.latest(item.name)):
                 tree.add(message, is_static=item.latched)
         return [

@@ -135,18 +135,18 @@ class WorldPanel:
                 self._looks = {look: left for look, left in self._looks.items() if look != request}
                 self._looks = dict([*self._looks.items(), (request, _PATIENCE)][-_MOST_SELECTED:])
             case Place(entity, xyz, rpy):
-                self._edit(f"move {entity}", lambda: self._twin.place(entity, xyz, rpy))
+                self._edit(f"move {entity}", lambda: self._twin.entities.place(entity, xyz, rpy))
             case Duplicate(entity):
                 self._edit(f"duplicate {entity}", lambda: self._duplicate(entity))
             case Remove(entity):
-                self._edit(f"delete {entity}", lambda: self._twin.delete(entity))
+                self._edit(f"delete {entity}", lambda: self._twin.entities.delete(entity))
             case Drag(entity, at, target):
-                duration = _HOLD * max(1.0, self._twin.real_time_rate)
-                self._twin.drag(entity, target, at, duration)
+                duration = _HOLD * max(1.0, self._twin.clock.real_time_rate)
+                self._twin.entities.drag(entity, target, at, duration)
             case Release(entity):
-                self._twin.release(entity)
+                self._twin.entities.release(entity)
             case Push(entity, force, duration):
-                self._twin.apply_wrench(entity, force, duration=duration)
+                self._twin.entities.apply_wrench(entity, force, duration=duration)
             case Undo() if self._undo:
                 self._twin.restore(self._undo[-1][1])
                 self._undo.pop()
@@ -163,15 +163,15 @@ class WorldPanel:
     def _duplicate(self, name: str) -> None:
         """Add a robot or model like one that is there, under a free name, beside it."""
         twin = self._twin
-        models = {} if twin.world_file is None else {model.name: model for model in twin.world_file.models}
+        models = {} if twin.built.world_file is None else {model.name: model for model in twin.built.world_file.models}
         stem = name.rstrip("0123456789").rstrip("_")
         taken = {*twin.robots, *models, *twin.scenario.world.without_models}
         free = next(own for own in (f"{stem}_{number}" for number in count(2)) if own not in taken)
         if name in models:
             xyz, rpy = pose_of(twin, name)
-            twin.copy_model(name, free, (xyz[0], xyz[1] + _STEP, xyz[2]), rpy)
+            twin.entities.copy_model(name, free, (xyz[0], xyz[1] + _STEP, xyz[2]), rpy)
         else:
-            twin.spawn(self._beside(name, free))
+            twin.entities.spawn(self._beside(name, free))
 
     def _beside(self, name: str, free: str) -> Robot:
         """Return a robot like one that is there, under a free name, beside it on the side that it faces y."""
@@ -179,16 +179,16 @@ class WorldPanel:
         robot = next((item for item in twin.scenario.robots if item.name == name), None)
         if robot is None:
             raise InputError(f"unknown robot {name!r}", value=name, valid=twin.robots)
-        box = footprint(next(plan for plan in twin.plans if plan.name == name))
+        box = footprint(next(plan for plan in twin.built.plans if plan.name == name))
         width = box.upper[1] - box.lower[1] + _GAP
-        x, y, _ = twin.entity_state(name).position
+        x, y, _ = twin.entities.state(name).position
         return replace(robot, name=free, namespace=None, frame_prefix=None, xyz=(x, y + width, robot.xyz[2]))
 
     def _read(self) -> None:
         """Read the tree again if robots or models have come or gone."""
-        if self._plans is self._twin.plans:
+        if self._plans is self._twin.built.plans:
             return
-        self._plans = self._twin.plans
+        self._plans = self._twin.built.plans
         self._version += 1
         self._tree = world_tree(self._twin)
         self._nodes = {node.id: node for node in every_node(self._tree)}

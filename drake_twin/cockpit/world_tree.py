@@ -58,9 +58,9 @@ class Node:
 
 def world_tree(twin: Twin) -> tuple[Node, ...]:
     """Return a twin's world: robots, models of the world, lights, in this order."""
-    models = () if twin.world_file is None else twin.world_file.models
-    lights = () if twin.world_file is None else twin.world_file.surroundings.lights
-    nodes = [_robot(plan) for plan in twin.plans]
+    models = () if twin.built.world_file is None else twin.built.world_file.models
+    lights = () if twin.built.world_file is None else twin.built.world_file.surroundings.lights
+    nodes = [_robot(plan) for plan in twin.built.plans]
     nodes += [_static_model(twin, model) if model.is_static else _moving_model(twin, model) for model in models]
     if twin.scenario.world.has_own_ground:
         nodes.append(Node(GROUND, WORLD, "ground", (f"{WORLD}/ground",)))
@@ -136,6 +136,6 @@ def _static_model(twin: Twin, model: WorldModel) -> Node:
 
 def _sensors(twin: Twin, model: WorldModel, paths: tuple[str, ...]) -> Iterator[Node]:
     """Yield the sensors of a model of the world, and of the models in it."""
-    for owner, plan in twin.sensors:
+    for owner, plan in twin.entities.sensors:
         if owner == model.name or owner.startswith(f"{model.name}::"):
             yield Node(SENSOR, owner, plan.place, paths)

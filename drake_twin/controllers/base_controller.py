@@ -10,9 +10,9 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.systems.draft import Drafter
+from drake_twin.kinematics.state_layout import StateLayout
+from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value, or_none
-from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 

@@ -15,9 +15,9 @@ from drake_twin.controllers.odometry_frames import odometry_frames
 from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
+from drake_twin.kinematics.rotations import along_heading, heading_of
 from drake_twin.saved import saved
 from drake_twin.systems.no_message import set_value
-from drake_twin.systems.rotations import along_heading, heading_of
 
 _NANOSECONDS = 1e9
 

@@ -13,9 +13,9 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.systems.draft import Drafter
+from drake_twin.kinematics.state_layout import StateLayout
+from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import set_value
-from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
 _INTERFACES = ("position", "velocity", "effort")

@@ -20,10 +20,10 @@ from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import Pose
+from drake_twin.kinematics.rotations import along_heading, heading_of, rotated
 from drake_twin.sensors.motion_sensor import SIZE, MotionSensor
 from drake_twin.sensors.sensor_setup import transform
 from drake_twin.systems.no_message import set_value
-from drake_twin.systems.rotations import along_heading, heading_of, rotated
 
 _ZERO = (0.0, 0.0, 0.0)
 

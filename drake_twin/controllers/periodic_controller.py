@@ -43,7 +43,7 @@ class PeriodicController(StatefulController):
     well.
 
     A commanded position is not farther from the joint than the joint's servo approaches within the velocity limit;
-    `drake_twin.diagram.servo_modes` describes what Gazebo does.
+    `drake_twin.twin.servo_modes` describes what Gazebo does.
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
     - ``true_state``: the same without the robot's measurement delay, for the velocity limits of its servos; only where

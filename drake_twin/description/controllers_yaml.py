@@ -2,14 +2,15 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from drake_twin.description.source_file import check_regular
-from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError, did_you_mean
 from drake_twin.findings import Cause, Finding, Kind, Place
+from drake_twin.typed_data import Reader, ValuePath
 from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
@@ -140,18 +141,12 @@ def read_controllers(
         findings += _misspelt_groups(document)
         for name, entries in _nodes(document, namespace).items():
             nodes.setdefault(name, []).extend((document, *entry) for entry in entries)
-    update_rate = DEFAULT_UPDATE_RATE
-    enforce_limits = False
-    strictness, uses_inactive = 1, False
-    hardware: dict[str, tuple[str, Place]] = {}
+    manager = ControllerManagerParameters()
     fallbacks: dict[str, Any] = {}
     types: dict[str, str] = {}
     places: dict[str, tuple[YamlDocument, ValuePath]] = {}
     for document, path, parameters in nodes.get("controller_manager", []):
-        update_rate = _update_rate(document, path, parameters, update_rate)
-        enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
-        strictness, uses_inactive = _defaults(document, path, parameters, strictness, uses_inactive)
-        hardware |= _hardware_states(document, path, parameters)
+        manager = _with_values(manager, document, path, dict(_written(parameters)))
         for name, value in _written(parameters):
             if isinstance(name, str) and name.endswith(".fallback_controllers"):
                 fallbacks[name.removesuffix(".fallback_controllers")] = value
@@ -184,9 +179,7 @@ def read_controllers(
             merged.setdefault("fallback_controllers", fallbacks[name])
         sources = [*([places[name]] if name in places else ()), *(entry[:2] for entry in found)]
         controllers.append(ControllerParameters(name, kind, merged, tuple(sources)))
-    return ControllerManagerParameters(
-        update_rate, enforce_limits, tuple(controllers), tuple(findings), hardware, strictness, uses_inactive
-    )
+    return replace(manager, controllers=tuple(controllers), findings=tuple(findings))
 
 
 def _misspelt_groups(document: YamlDocument) -> Iterator[Finding]:
@@ -227,38 +220,34 @@ def _leaves(values: Mapping[Any, Any], name: str) -> Iterator[tuple[str, Any]]:
             yield f"{name}.{key}", value
 
 
-def _defaults(
-    document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], strictness: int, uses_inactive: bool
-) -> tuple[int, bool]:
-    given = dict(_written(parameters))
-    if _STRICTNESS in given:
-        text = given[_STRICTNESS]
-        if text not in _STRICTNESSES:
-            raise document.error(
-                (*path, _STRICTNESS), f"unknown strictness {text!r}", value=str(text), valid=_STRICTNESSES
-            )
-        strictness = _STRICTNESSES[text]
-    if _USES_INACTIVE in given:
-        uses_inactive = given[_USES_INACTIVE]
-        if not isinstance(uses_inactive, bool):
-            raise document.error((*path, _USES_INACTIVE), f"{uses_inactive!r} is neither true nor false")
-    return strictness, uses_inactive
+def _with_values(
+    before: ControllerManagerParameters, document: YamlDocument, path: ValuePath, given: Mapping[str, Any]
+) -> ControllerManagerParameters:
+    """Return the parameters of a controller manager with those that are given."""
+    rate, text = given.get("update_rate", before.update_rate), given.get(_STRICTNESS)
+    if not is_number(rate) or not 0 < rate < HIGHEST_RATE:
+        raise document.error((*path, "update_rate"), f"{rate!r} is not a positive rate (Hz)")
+    if _STRICTNESS in given and str(text) not in _STRICTNESSES:
+        at = (*path, _STRICTNESS)
+        raise document.error(at, f"unknown strictness {text!r}", value=str(text), valid=_STRICTNESSES)
 
+    def flag(name: str, default: bool) -> bool:
+        return bool(Reader(document.error).read(bool, given.get(name, default), (*path, name)))
 
-def _hardware_states(
-    document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any]
-) -> dict[str, tuple[str, Place]]:
-    """Return the hardware components that are not to be active; one that is in both lists is inactive, as upstream."""
-    given = dict(_written(parameters))
-    states = {}
-    for state in ("unconfigured", "inactive"):
-        name = f"{_STATES}.{state}"
-        names = given.get(name, [])
-        where = (*path, name)
+    states = dict(before.hardware_states)
+    for state in ("unconfigured", "inactive"):  # one that is in both lists is inactive, as upstream
+        names, where = given.get(f"{_STATES}.{state}", []), (*path, f"{_STATES}.{state}")
         if not isinstance(names, list) or not all(isinstance(item, str) for item in names):
             raise document.error(where, f"{names!r} is not a list of hardware components")
-        states.update(dict.fromkeys(filter(None, names), (state, Place(str(document.file), document.line(where)))))
-    return states
+        states |= dict.fromkeys(filter(None, names), (state, Place(str(document.file), document.line(where))))
+    return replace(
+        before,
+        update_rate=float(rate),
+        enforce_command_limits=flag("enforce_command_limits", before.enforce_command_limits),
+        hardware_states=states,
+        strictness=_STRICTNESSES.get(str(text), before.strictness),
+        uses_inactive_hardware=flag(_USES_INACTIVE, before.uses_inactive_hardware),
+    )
 
 
 def _unread(name: str, value: Any) -> str | None:
@@ -307,20 +296,6 @@ def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"the parameters file cannot be read ({error})", file=file) from None
     return YamlDocument(_with_placeholders(text, file, placeholders), file, like_rcl=True)
-
-
-def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
-    rate = parameters.get("update_rate", default)
-    if not is_number(rate) or not 0 < rate < HIGHEST_RATE:
-        raise document.error((*path, "update_rate"), f"{rate!r} is not a positive rate (Hz)")
-    return float(rate)
-
-
-def _flag(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], name: str, default: bool) -> bool:
-    value = parameters.get(name, default)
-    if not isinstance(value, bool):
-        raise document.error((*path, name), f"{value!r} is neither true nor false")
-    return value
 
 
 def _with_placeholders(text: str, file: Path, placeholders: Mapping[str, str]) -> str:

@@ -9,14 +9,12 @@ import yaml
 
 from drake_twin.description.bounded_yaml import DEEPEST, compose_yaml
 from drake_twin.errors import InputError
+from drake_twin.typed_data import ValuePath
 
 # Aliases let a few lines expand to gigabytes; scenarios and parameters files have far fewer values than this.
 _MOST_VALUES = 200_000
 
 _MERGE_TAG = "tag:yaml.org,2002:merge"
-
-Key = str | int
-ValuePath = tuple[Key, ...]
 
 
 class YamlDocument:

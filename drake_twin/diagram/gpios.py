@@ -35,7 +35,7 @@ def add_gpios(
         for name, value in gpio.states.items()
     ]
     sources = {name: [indices.get(item, -1) for item in each.interfaces] for name, each in writing.items()}
-    steps = max(1, ceil(1.0 / plan.update_rate / time_step - 1e-6))
+    steps = max(1, ceil(1.0 / plan.manager.update_rate / time_step - 1e-6))
     name = "gpios"
     while builder.HasSubsystemNamed(name):
         name += "_"

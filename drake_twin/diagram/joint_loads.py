@@ -9,8 +9,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex
 from pydrake.systems.framework import Context
 
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.state_layout import StateLayout
 
 # Drake's solver compares forces with these tolerances, and takes the next position of a servo from the present one: the
 # rounding of that, times the stiffness, must be less, where nothing else pulls at the robot.

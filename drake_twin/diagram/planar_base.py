@@ -25,7 +25,7 @@ from pydrake.multibody.tree import (
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.description.robot_description import Pose
 from drake_twin.diagram.joint_friction import is_brake
-from drake_twin.systems.planar_base import PlanarBase
+from drake_twin.kinematics.planar_base import PlanarBase
 
 _SLIDES = {LINEAR_X: (1, 0, 0), LINEAR_Y: (0, 1, 0), LINEAR_Z: (0, 0, 1)}
 _TURN = (0, 0, 1)

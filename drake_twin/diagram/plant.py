@@ -32,10 +32,10 @@ from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
-from drake_twin.systems.state_layout import StateLayout
 
 # A sticking contact creeps at a fraction of this (m/s). With Drake's 1e-4 a box creeps 1.4 mm in 5 s at 0.95 of the
 # angle of friction.
@@ -345,7 +345,7 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
 def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout) -> None:
     """Make the spawn pose and the start positions the defaults of every new context."""
     q = plant.GetDefaultPositions(instance)
-    for name, position in plan.start_positions.items():
+    for name, position in plan.joints.start_positions.items():
         q[layout.positions[name]] = position
     free = {} if layout.base_position is None else {layout.base_position: plan.spawn_pose}
     every = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).tolist()

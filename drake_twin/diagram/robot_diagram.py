@@ -21,11 +21,11 @@ from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, EFFORT, FREE, MODES, REST, UP, velocity_limit
 from drake_twin.errors import InputError, TwinError, described
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.gpio_hardware import GpioHardware
 from drake_twin.systems.joint_servo import COMMANDS, JointServo
-from drake_twin.systems.state_layout import StateLayout
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _add_controllers(
             },
             true_odometry=item.wiring is not None and item.wiring.true_odometry,
             physics_step=0.0 if continuous else time_step,
-            position_time_constant=plan.position_time_constant,
+            position_time_constant=plan.joints.position_time_constant,
             tells_of_motion=True,
             active_at_start=item.state == ACTIVE,
             measures_late=plan.robot.measurement_delay > 0,
@@ -180,7 +180,7 @@ def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
     loaded = [item for item in plan.controllers if item.state != UNLOADED]
     rates = {f"controller {item.name}": item.update_rate for item in loaded}
     if loaded:
-        rates["the controller manager"] = plan.update_rate
+        rates["the controller manager"] = plan.manager.update_rate
     return [
         f"{', '.join(name for name in rates if rates[name] == rate)}: the update rate of {rate:g} Hz is"
         f" higher than that of the physics, which steps every {time_step:g} s: reduced to {1 / time_step:g} Hz"
@@ -238,14 +238,14 @@ def _add_servo(
         effort = description.joints_by_name[joint].limits.effort
         # The motor's, whether or not commands are clamped.
         limits[1:, index] = (-fastest[index], fastest[index]), (-effort, effort)
-        for row, interface in enumerate(COMMANDS if plan.enforce_limits or plan.follows_mujoco else ()):
-            lower, upper = description.limits_of_command(joint, interface, of_joint=plan.enforce_limits)
+        for row, interface in enumerate(COMMANDS if plan.manager.enforce_command_limits or plan.follows_mujoco else ()):
+            lower, upper = description.limits_of_command(joint, interface, of_joint=plan.manager.enforce_command_limits)
             if lower <= upper:
                 limits[row, index] = max(lower, limits[row, index, 0]), min(upper, limits[row, index, 1])
     driving = {name: item for name, item in controllers.items() if item.claims}
     active = {item.name for item in plan.controllers if item.state == ACTIVE}
-    holds = [plan.start_positions.get(joint or "", 0.0) for joint in joints]
-    assignment = assign(joints, driving, active, holds, hold_joints=plan.hold_joints)
+    holds = [plan.joints.start_positions.get(joint or "", 0.0) for joint in joints]
+    assignment = assign(joints, driving, active, holds, hold_joints=plan.joints.are_held)
     as_position = None
     if plant.time_step() == 0.0:
         as_position = {

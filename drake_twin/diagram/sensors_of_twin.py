@@ -11,10 +11,11 @@ from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_other_sensors
 from drake_twin.diagram.topics import Topics
 from drake_twin.findings import Finding, Kind
+from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.world_sensors import ModelPlan
 from drake_twin.sensors.sensor_host import SensorHost
-from drake_twin.systems.draft import Draft, LaterDraft, Reading
+from drake_twin.systems.plant_reading import Reading
 
 
 def publish_sensors(owner: str, ports: Iterable[SensorPort], system: System, topics: Topics, time_step: float) -> None:

@@ -17,8 +17,8 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
 from drake_twin.diagram.joint_loads import JointLoad, joint_loads
 from drake_twin.errors import InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.state_layout import StateLayout
 
 # The time constant with which a velocity servo reaches its command against inertia alone (s).
 _VELOCITY_TIME_CONSTANT = 0.005
@@ -238,7 +238,7 @@ def _idle_gains(plan: RobotPlan, actuator: JointActuator) -> PdControllerGains |
     """Return the gains of an MJCF robot's motor or velocity servo without a motion: MuJoCo's has no others."""
     joint = actuator.joint().name()
     controlled = plan.description.controlled_joints.get(joint)
-    if not plan.follows_mujoco or controlled is None or (joint, "position") in plan.servos:
+    if not plan.follows_mujoco or controlled is None or (joint, "position") in plan.joints.servos:
         return None
     return PdControllerGains(p=0.0, d=max(float(controlled.parameters["kv"]), _LEAST_DAMPING))
 
@@ -251,14 +251,14 @@ def _position_gains(plan: RobotPlan, actuator: JointActuator, load: JointLoad) -
     own = _own_pd(plan, actuator) or _idle_gains(plan, actuator)
     if own is not None:
         return own
-    at_once = (actuator.joint().name(), "position") in plan.servos
-    T = _AT_ONCE if at_once else plan.position_time_constant
+    at_once = (actuator.joint().name(), "position") in plan.joints.servos
+    T = _AT_ONCE if at_once else plan.joints.position_time_constant
     return position_gains(load, T, actuator.effort_limit(), load.stiffest)
 
 
 def _own_pd(plan: RobotPlan, actuator: JointActuator) -> PdControllerGains | None:
     """Return the gains that a plugin gives the position of a joint; None if it leaves them to the twin."""
-    servo = plan.servos.get((actuator.joint().name(), "position"))
+    servo = plan.joints.servos.get((actuator.joint().name(), "position"))
     if servo is None or servo.proportional is None:
         return None
     return PdControllerGains(p=max(servo.proportional, 0.0), d=max(servo.derivative, _LEAST_DAMPING))
@@ -267,7 +267,7 @@ def _own_pd(plan: RobotPlan, actuator: JointActuator) -> PdControllerGains | Non
 def _velocity_gains(
     plan: RobotPlan, actuator: JointActuator, load: JointLoad, *, continuous: bool
 ) -> PdControllerGains:
-    servo = plan.servos.get((actuator.joint().name(), "velocity"))
+    servo = plan.joints.servos.get((actuator.joint().name(), "velocity"))
     if servo is None or servo.proportional is None:
         return velocity_gains(load, continuous=continuous)
     return _following_velocity(max(servo.proportional, _LEAST_DAMPING), continuous=continuous)

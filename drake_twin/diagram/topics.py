@@ -11,7 +11,8 @@ from itertools import chain, count
 from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
 
 from drake_twin.errors import InputError
-from drake_twin.systems.draft import Draft, Reading
+from drake_twin.messages.draft import Draft
+from drake_twin.systems.plant_reading import Reading
 
 
 @dataclass(frozen=True)

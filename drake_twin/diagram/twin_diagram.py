@@ -336,7 +336,7 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
         drafter = None if robot.delays else robot.broadcaster.drafter(name, in_plant.places)
-        topic, rate = robot_topic(plan, name), plan.update_rate
+        topic, rate = robot_topic(plan, name), plan.manager.update_rate
         topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name, drafter=drafter)
     publish_sensors(plan.name, robot.sensors, system, topics, surroundings.time_step)
     for name, item in robot.controllers.items():
@@ -372,7 +372,7 @@ def _add_ground_truth(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequen
     for plan, base in zip(plans, bases, strict=True):
         topic, drafter = robot_topic(plan, GROUND_TRUTH), publisher.drafter(base)
         port = publisher.get_odom_output_port(plan.name)
-        topics.publish(topic, port, "nav_msgs/msg/Odometry", plan.update_rate, plan.name, drafter=drafter)
+        topics.publish(topic, port, "nav_msgs/msg/Odometry", plan.manager.update_rate, plan.name, drafter=drafter)
 
 
 def _add_entity_states(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequence[RobotPlan], topics: Topics) -> None:

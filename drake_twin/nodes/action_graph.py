@@ -94,11 +94,11 @@ class ActionGraph:
     def is_there(self, name: str, kind: str) -> bool:
         """Return whether an action of a type is there."""
         offer = self.offers.get(name)
-        return (offer is not None and offer.type == kind) or self._graph.twin.actions().get(name) == kind
+        return (offer is not None and offer.type == kind) or self._graph.twin.graph.actions().get(name) == kind
 
     def names(self) -> list[tuple[str, list[str]]]:
         """Return each action with its types."""
-        found = {name: [kind] for name, kind in self._graph.twin.actions().items()}
+        found = {name: [kind] for name, kind in self._graph.twin.graph.actions().items()}
         for name, offer in self.offers.items():
             found.setdefault(name, []).append(offer.type)
         return sorted(found.items())
@@ -108,7 +108,7 @@ class ActionGraph:
         offer = self.offers.get(name)
         if offer is not None and offer.type == kind:
             self._graph.post(partial(offer.put_goal, key, goal, listener))
-        elif self._graph.twin.actions().get(name) == kind:
+        elif self._graph.twin.graph.actions().get(name) == kind:
             self._graph.post(partial(self._start, name, key, goal, listener))
 
     def cancel(self, name: str, key: bytes, answered: Callable[[int], None]) -> None:
@@ -125,7 +125,7 @@ class ActionGraph:
             self._graph.post(partial(listener.ended, _STATUSES[done.status], done.result))
 
         try:
-            started = self._graph.twin.send_goal(name, goal, ended)
+            started = self._graph.twin.graph.send_goal(name, goal, ended)
         except TwinError as error:
             self._graph.log(name, str(error))
             self._graph.post(partial(listener.answered, False))

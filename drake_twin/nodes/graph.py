@@ -99,7 +99,7 @@ class Graph:
 
     def follow(self) -> None:
         """Follow spawns and deletes."""
-        endpoints = self.twin.endpoints
+        endpoints = self.twin.graph.endpoints
         if endpoints is self._endpoints:
             return
         self._endpoints = endpoints
@@ -268,7 +268,7 @@ class Graph:
     def services(self) -> Mapping[str, ServiceEndpoint]:
         """Return the twin's services by their names."""
         twin = self.twin
-        state = self._endpoints, tuple(tuple(twin.controller_manager(robot).states) for robot in twin.robots)
+        state = self._endpoints, tuple(tuple(twin.control.manager(robot).states) for robot in twin.robots)
         known, services = self._twin_services
         if known != state:
             services = {service.name: service for service in self._services_of(twin)}

@@ -63,7 +63,7 @@ class Nodes:
         self._turns = Turns(self, patience, is_stopped)
         self._turns.outsider, self._turns.newcomer = self._use_inbox, self._look_soon
         self._uses_inbox = False
-        self._turns.set_time(twin.time, twin.time_step)
+        self._turns.set_time(twin.time, twin.clock.time_step)
         self._folder_of = _FolderOf(packages, [each.file for each in found])
         sources = (stand_in, Interfaces(self._folder_of).source, PackageFolders(self._folder_of).source)
         self._finder = NodeFinder(sources, self._folder_of)
@@ -88,7 +88,7 @@ class Nodes:
             return
         self._is_open = False
         twin = self._twin
-        self._turns.set_time(twin.time, twin.time_step)
+        self._turns.set_time(twin.time, twin.clock.time_step)
         self.graph.is_open = False  # what they publish now would be for a time that never comes
         for task in self._turns.farewell(KeyboardInterrupt):
             if not task.is_outside:
@@ -109,7 +109,7 @@ class Nodes:
     def _slot(self, *, is_paused: bool = False) -> None:
         """Let the programs have their turns at the present time."""
         twin, turns = self._twin, self._turns
-        turns.set_time(twin.time, twin.time_step)
+        turns.set_time(twin.time, twin.clock.time_step)
         self._start_due()
         self.graph.follow()
         self.graph.deliver(everything=is_paused)
@@ -136,15 +136,15 @@ class Nodes:
 
     def _while_paused(self) -> None:
         """Let answers arrive while time stands still, such as that to who has paused it."""
-        if self._twin.paused and self._is_open:
+        if self._twin.clock.paused and self._is_open:
             comes = any(task.is_watching and task.can_run() for task in self._turns.tasks)
-            if comes or self.graph.has_mail or self._twin.alarm.due_step <= self._twin.step_count:
+            if comes or self.graph.has_mail or self._twin.alarm.due_step <= self._twin.clock.step_count:
                 self._slot(is_paused=True)
             self._twin.alarm.do_requests()
 
     def _jump(self, before: float) -> None:
         """Follow a reset or a restored state: waits go on for as long as they had to go on."""
-        self._turns.set_time(self._twin.time, self._twin.time_step)
+        self._turns.set_time(self._twin.time, self._twin.clock.time_step)
         by = self._turns.now - round(before * 1e9)
         for task in self._turns.tasks:
             task.shift(by)

@@ -1,10 +1,21 @@
-"""Frames that files name and that are most likely a misspelt link of the robot."""
+"""The names of a robot's frames: their prefix, and those of files that are most likely a misspelt link."""
 
 from collections.abc import Collection
 
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import did_you_mean
+from drake_twin.scenario import Robot
 
 _CLOSE = 0.85
+
+
+def frame_prefix(robot: Robot, description: RobotDescription) -> str:
+    """Return the prefix of a robot's link names in tf messages."""
+    if robot.frame_prefix is not None:
+        return robot.frame_prefix
+    own = (f"{robot.name}_", f"{robot.name}/")
+    named_after_robot = all(link == "world" or link.startswith(own) for link in description.links)
+    return "" if named_after_robot else f"{robot.name}/"
 
 
 def misspelt_frame(frame: str, links: Collection[str]) -> str | None:

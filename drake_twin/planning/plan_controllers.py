@@ -1,34 +1,22 @@
-"""The plan of a robot's controllers: those of its parameters files and those of its Gazebo plugins."""
+"""The plan of a robot's controllers: which are loaded, and which of these are active at the start."""
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
-from functools import lru_cache
-from graphlib import CycleError, TopologicalSorter
-from typing import Any
 
 from drake_twin.controllers.interface import Interface
-from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class, controller_types
-from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerManagerParameters, ControllerParameters
-from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER, GazeboDrive, of_model
-from drake_twin.description.parameters import read_parameters
+from drake_twin.controllers.registry import controller_class
+from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
+from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
-from drake_twin.planning.controller_plan import (
-    ACTIVE,
-    INACTIVE,
-    UNCONFIGURED,
-    UNLOADED,
-    ControllerPlan,
-    Wiring,
-    chained_to,
-    is_chained,
-)
+from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan, chained_to
 from drake_twin.planning.frame_names import misspelt_frame
+from drake_twin.planning.gazebo_drive_plan import drives_by_name, leave_one_transform, wiring_of, with_stamps
 from drake_twin.planning.idle_hardware import idle_joints
+from drake_twin.planning.plan_controller import check_references, plan_controller
 from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.typed_data import ValuePath
 
 
 def plan_controllers(
@@ -36,7 +24,6 @@ def plan_controllers(
     path: ValuePath,
     description: RobotDescription,
     manager: ControllerManagerParameters,
-    prefix: str,
     drives: Sequence[GazeboDrive] = (),
 ) -> tuple[tuple[ControllerPlan, ...], list[Finding]]:
     """Plan all controllers of a robot's parameters files and Gazebo plugins.
@@ -46,7 +33,6 @@ def plan_controllers(
         path: The path of the entry in the scenario, for error messages.
         description: The robot.
         manager: The content of its parameters files.
-        prefix: The prefix of the robot's joints that the names in the parameters files lack.
         drives: The Gazebo plugins that become controllers; they are active at the start.
 
     Returns:
@@ -59,16 +45,16 @@ def plan_controllers(
     """
     by_name = {controller.name: controller for controller in manager.controllers}
     chosen = _chosen(robot, by_name)
-    by_drive = _drives_by_name([_with_stamps(drive, robot) for drive in drives], by_name)
+    by_drive = drives_by_name([with_stamps(drive, robot) for drive in drives], by_name)
     chosen |= dict.fromkeys(by_drive, ACTIVE)
     by_name |= {name: replace(drive.controller, name=name) for name, drive in by_drive.items() if drive.controller}
     plans: dict[str, ControllerPlan] = {}
     findings: list[Finding] = []
     for name, controller in by_name.items():
-        plan, ignored = _plan_or_error(controller, description, manager.update_rate, prefix, by_name)
+        plan, ignored = plan_controller(controller, description, manager.update_rate, by_name)
         if name in by_drive:
             drive = by_drive[name]
-            plan = replace(plan, wiring=_wiring(drive))
+            plan = replace(plan, wiring=wiring_of(drive))
             if plan.error is not None and plan.error.file is None:
                 plan.error.file, plan.error.line = drive.plugin.place.file, drive.plugin.place.line
         plans[name] = plan
@@ -78,8 +64,8 @@ def plan_controllers(
             if "base_frame_id" in controller.parameters and (why := misspelt_frame(base, description.links)):
                 place = controller.place("base_frame_id") if controller.sources else by_drive[name].plugin.place
                 findings.append(Finding.at(Kind.WARNING, f"controller {name}: base_frame_id: {why}", place))
-    _leave_one_transform(plans, chosen, robot)
-    _check_references(plans, by_name)
+    leave_one_transform(plans, chosen, robot)
+    check_references(plans, by_name)
     for name in plans.keys() - chosen.keys():
         plans[name] = replace(plans[name], error=None)  # irrelevant until it is loaded
     for error in _missing(robot, path, by_name):
@@ -96,53 +82,6 @@ def plan_controllers(
             findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}{common}", place, common=common))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
-
-
-def _wiring(drive: GazeboDrive) -> Wiring:
-    return Wiring(drive.topics, drive.gz_topics, drive.types, drive.elements, drive.true_odometry)
-
-
-def _leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:
-    """Leave the base's transform to the plugins of Gazebo whose own a bridge takes to ``/tf``.
-
-    Without a bridge for it, gz-sim's OdometryPublisher leaves it to a drive.
-    """
-    names = [name for name in chosen if name in plans]
-    left = [name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)]
-    topics = {name: _transform_topic(plans[name], robot) for name in left}
-    bridged = [name for name, topic in topics.items() if topic and robot.remappings.get(topic) == "/tf"]
-    for name in [name for name in reversed(left) if name not in bridged]:
-        if len(left) > 1 and (plans[name].type == ODOMETRY_PUBLISHER or (bridged and topics[name])):
-            plans[name] = replace(plans[name], parameters=replace(plans[name].parameters, enable_odom_tf=False))
-            left.remove(name)
-
-
-def _transform_topic(plan: ControllerPlan, robot: Robot) -> str:
-    """Return the topic of Gazebo on which a plugin publishes the base's transform; empty for other controllers."""
-    topic = "" if plan.wiring is None else of_model(plan.wiring.gz_topics.get("tf_odometry", ""), robot.name)
-    return f"/{topic.lstrip('/')}" if topic else ""
-
-
-_UNSTAMPED = "_unstamped"
-
-
-def _with_stamps(drive: GazeboDrive, robot: Robot) -> GazeboDrive:
-    """Return a drive that listens to messages with a header, where a bridge has them on its topic."""
-    stamped = [
-        own
-        for own, topic in drive.gz_topics.items()
-        if own.endswith(_UNSTAMPED) and f"/{of_model(topic, robot.name).lstrip('/')}" in robot.stamped_topics
-    ]
-    if not stamped or drive.controller is None:
-        return drive
-    names = {own: own.removesuffix(_UNSTAMPED) if own in stamped else own for own in (*drive.topics, *drive.gz_topics)}
-    parameters = {**drive.controller.parameters, "use_stamped_vel": True}
-    return replace(
-        drive,
-        controller=replace(drive.controller, parameters=parameters),
-        topics={names[own]: topic for own, topic in drive.topics.items()},
-        gz_topics={names[own]: topic for own, topic in drive.gz_topics.items()},
-    )
 
 
 _Settled = tuple[str, ControllerPlan, str | None]
@@ -195,20 +134,6 @@ def _settled_without(
         yield name, replace(plan, state=state), conflict
 
 
-def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:
-    """Return plugins under unused names; of two joint state broadcasters ros2_control's is kept."""
-    has_broadcaster = any(item.type == JOINT_STATE_BROADCASTER for item in taken.values())
-    found: dict[str, GazeboDrive] = {}
-    for drive in drives:
-        if drive.controller is None or (has_broadcaster and drive.controller.type == JOINT_STATE_BROADCASTER):
-            continue
-        name = drive.controller.name
-        while name in taken or name in found:
-            name += "_plugin"
-        found[name] = drive
-    return found
-
-
 def _chosen(robot: Robot, known: Mapping[str, ControllerParameters]) -> dict[str, str]:
     """Return the controllers to load, in the order of their activation, each with its wanted state."""
     active = known if robot.active_controllers is None else robot.active_controllers
@@ -235,153 +160,3 @@ def _missing(robot: Robot, path: ValuePath, known: Mapping[str, ControllerParame
             if name not in known:
                 text = f"the parameters files have no controller {name!r}"
                 yield ScenarioError((*path, entry), text, value=name, valid=known)
-
-
-def _plan_or_error(
-    controller: ControllerParameters,
-    description: RobotDescription,
-    manager_rate: float,
-    prefix: str,
-    known: Container[str],
-) -> tuple[ControllerPlan, tuple[Finding, ...]]:
-    try:
-        return _plan(controller, description, manager_rate, prefix, known)
-    except InputError as error:
-        return ControllerPlan(controller.name, controller.type, problem=str(error), error=error), ()
-
-
-def _plan(
-    controller: ControllerParameters,
-    description: RobotDescription,
-    manager_rate: float,
-    prefix: str,
-    known: Container[str],
-) -> tuple[ControllerPlan, tuple[Finding, ...]]:
-    rate = controller.parameters.get("update_rate", manager_rate)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
-        raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
-    fallbacks = controller.names("fallback_controllers")
-    if controller.name in fallbacks:
-        raise controller.error("a controller cannot be its own fallback", "fallback_controllers")
-    plan = ControllerPlan(
-        controller.name,
-        controller.type,
-        update_rate=float(rate) or manager_rate,
-        fallbacks=fallbacks,
-        ros_parameters=controller.parameters,
-    )
-    kind = controller_class(controller.type)
-    if kind is None:
-        hint = _hint(controller.type, controller_types())
-        return replace(plan, problem=f"type {controller.type} is not supported; {hint}"), ()
-    if prefix:
-        joints = {*description.joints_by_name, *description.gpios}
-        own = replace(controller, parameters=_with_prefix(controller.parameters, prefix, joints))
-    else:
-        own = controller
-    parameters, ignored = read_parameters(kind.Parameters, own)
-    try:
-        claims = kind.claimed_interfaces(parameters, description)
-    except InputError as error:
-        raise controller.error(error.message, value=error.value, valid=error.valid) from None
-    _check_joints(controller, claims, description, known)
-    own_joints = [claim for claim in claims if not is_chained(claim, known)]
-    problems = (_unusable(claim, description, kind.needs_command_interfaces) for claim in own_joints)
-    problem = next(filter(None, problems), None)
-    problem = problem or kind.problem(parameters, description)
-    references = kind.reference_interfaces(parameters, description)
-    exported = kind.exported_interfaces(parameters)
-    plan = replace(plan, parameters=parameters, claims=claims, references=references, exported=exported)
-    return replace(plan, problem=problem), ignored
-
-
-@lru_cache(maxsize=256)
-def _hint(unknown: str, types: tuple[str, ...]) -> str:
-    close = get_close_matches(unknown, types, n=1, cutoff=0.85)
-    return f"did you mean {close[0]!r}?" if close else "a module that has it is named by --plugin"
-
-
-def _with_prefix(value: Any, prefix: str, joints: Container[str]) -> Any:
-    """Return a parameter with the prefix added to the names of joints and GPIOs, at any depth."""
-    if isinstance(value, str):
-        return prefix + value if value not in joints and prefix + value in joints else value
-    if isinstance(value, Mapping):
-        return {_with_prefix(key, prefix, joints): _with_prefix(item, prefix, joints) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_with_prefix(item, prefix, joints) for item in value]
-    return value
-
-
-def _check_joints(
-    controller: ControllerParameters, claims: Sequence[Interface], description: RobotDescription, known: Container[str]
-) -> None:
-    seen = set()
-    names = {*description.joints_by_name, *description.gpios}
-    for claim in claims:
-        owner, separator, _ = claim.joint.partition("/")
-        if claim.joint not in names and not (separator and owner in known):
-            place = next(_places(controller.parameters, claim.joint), ())
-            valid = [joint.name for joint in description.movable_joints]
-            raise controller.error(f"the robot has no joint {claim.joint!r}", *place, value=claim.joint, valid=valid)
-        if claim in seen:
-            *_, place = _places(controller.parameters, claim.joint)
-            raise controller.error(f"duplicate joint {claim.joint!r}", *place)
-        seen.add(claim)
-
-
-def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Yield the paths of a name in the parameters."""
-    if isinstance(value, str):
-        if value == name:
-            yield path
-    elif isinstance(value, Mapping | list):
-        for key, item in value.items() if isinstance(value, Mapping) else enumerate(value):
-            yield from _places(item, name, (*path, key))
-
-
-def _unusable(claim: Interface, description: RobotDescription, needs_interface: bool) -> str | None:
-    """Return why a command interface cannot be claimed; None when it can."""
-    gpio = description.gpios.get(claim.joint)
-    if gpio is not None:
-        return gpio.problem("command", claim.name)
-    joint = description.joints_by_name[claim.joint]
-    if not joint.is_movable:
-        return f"joint {joint.name} is {joint.type} and cannot be commanded"
-    controlled = description.controlled_joints.get(joint.name)
-    interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
-    if claim.name not in interfaces and (needs_interface or not interfaces):
-        has = f"it has {', '.join(interfaces)}" if interfaces else "it has no command interface"
-        return f"joint {joint.name} has no {claim.name} command interface in <ros2_control> ({has})"
-    if joint.mimic is not None:
-        return f"joint {joint.name} follows another joint (mimic) and cannot be commanded"
-    if claim.name not in ("position", "velocity", "effort"):
-        return f"joint {joint.name}: the command interface {claim.name} is not supported"
-    lower, upper = description.limits_of_command(joint.name, claim.name)
-    if lower > upper:
-        return f"joint {joint.name}: the URDF and <ros2_control> limits of {claim.name} do not overlap"
-    return None
-
-
-def _check_references(plans: dict[str, ControllerPlan], by_name: Mapping[str, ControllerParameters]) -> None:
-    """Add an error for each claim of a reference that another controller does not have.
-
-    Raises:
-        InputError: If controllers claim each other's references in a circle.
-    """
-    for name, plan in plans.items():
-        for claim in plan.claims:
-            if not is_chained(claim, plans):
-                continue
-            owner, _, joint = claim.joint.partition("/")
-            if Interface(joint, claim.name) not in plans[owner].references:
-                valid = [f"{owner}/{reference}" for reference in plans[owner].references]
-                error = by_name[name].error(f"controller {owner!r} has no reference {claim}", valid=valid)
-                plans[name] = replace(plan, problem=str(error), error=error)
-                break
-    below = {name: chained_to(plan, plans) for name, plan in plans.items()}
-    try:
-        TopologicalSorter(below).prepare()
-    except CycleError as error:
-        circle = error.args[1][:-1]
-        what = f"the controllers {', '.join(circle)} claim each other's references in a circle"
-        raise by_name[circle[0]].error(what) from None

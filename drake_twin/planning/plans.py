@@ -6,7 +6,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.errors import InputError
-from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import Scenario, ScenarioError, World
 

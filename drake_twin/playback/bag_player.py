@@ -41,7 +41,7 @@ class BagPlayer:
 
     def __init__(self, bag: Bag, twin: Twin, robots: Sequence[RecordedRobot]):
         self._bag, self._twin, self._robots = bag, twin, tuple(robots)
-        self._plans = {plan.name: plan for plan in twin.plans}
+        self._plans = {plan.name: plan for plan in twin.built.plans}
         self._said: set[str] = set()
         self.findings = tuple(item for item in twin.findings if item.rule and item.rule not in _OF_PHYSICS)
         self._stop_at: float | None = None
@@ -158,7 +158,7 @@ class BagPlayer:
         for robot in self._robots:
             plan = self._plans[robot.name]
             if positions := self._joints[robot.name].get("positions"):
-                self._twin.set_joint_positions(robot.name, plan.description.with_followers(positions))
+                self._twin.entities.set_joint_positions(robot.name, plan.description.with_followers(positions))
             if plan.model.is_fixed:
                 continue
             found = self._in_root(robot)
@@ -168,7 +168,7 @@ class BagPlayer:
                 root, pose = found
                 roots.add(root)
                 x, y, z, w = pose.rotation.as_quat()
-                self._twin.set_entity_state(robot.name, position=pose.translation, orientation=(w, x, y, z))
+                self._twin.entities.set_state(robot.name, position=pose.translation, orientation=(w, x, y, z))
         if len(roots) > 1:
             self._say(
                 f"no transforms connect the frames {', '.join(sorted(roots))}: they are drawn as if they were one"

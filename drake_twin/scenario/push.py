@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.saved import saved
+from drake_twin.typed_data import ValuePath
 
 PUSH_DURATION = 0.1  # s, unless another one is given
 
@@ -16,8 +16,8 @@ class Push:
     """A force on a link. Either `force` or `strength` is given.
 
     Attributes:
-        entity: A link as in `Twin.apply_wrench`, for example ``robot_1::base_link``; or a robot or a model of the
-            world, for its root link. The prefix of a link with the robot's name may be left out.
+        entity: A link as in `Twin.entities.apply_wrench`, for example ``robot_1::base_link``; or a robot or a model of
+            the world, for its root link. The prefix of a link with the robot's name may be left out.
         time: When it begins (simulated s).
         force: The force in the world's axes (N).
         strength: The size of a horizontal force (N), whose direction is drawn from the scenario's seed.

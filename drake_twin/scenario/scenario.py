@@ -10,12 +10,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
 from drake_twin.scenario.push import Push, problems_of_push
-from drake_twin.scenario.typed_values import misfits
+from drake_twin.typed_data import ValuePath, misfits
 
 # Drake's discrete solvers that support joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
@@ -302,7 +301,7 @@ def name_in_twin(name: str) -> str:
 
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
-    yield from misfits(scenario, ())
+    yield from misfits(scenario, unchecked=("data",))  # a command's data is checked by its controller
     if not (scenario.robots or scenario.nodes):
         yield ("robots",), "a twin needs at least one robot, or a node program that spawns one"
     if not scenario.time_step > 0:

@@ -1,23 +1,20 @@
 """A scenario as YAML, and back: each value knows its line."""
 
 import dataclasses
-import types
-import typing
 from collections.abc import Mapping
 from enum import Enum
-from math import isfinite
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from drake_twin.description.source_file import check_regular
-from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_absolute_files
-from drake_twin.scenario.typed_values import field_types
-from drake_twin.values import yaml_number
+from drake_twin.typed_data import Reader, ValuePath
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
@@ -33,7 +30,7 @@ class ScenarioFile:
         file: Its file; relative file names in the text are relative to it.
 
     Attributes:
-        scenario: The scenario.
+        as_written: The scenario, with the names of files as they stand there.
 
     Raises:
         InputError: If a value cannot be used; with its file and line, and what would be valid.
@@ -42,10 +39,14 @@ class ScenarioFile:
     def __init__(self, text: str, file: str | Path):
         self._document = YamlDocument(text, file)
         try:
-            scenario: Scenario = _read(Scenario, self._document.data, self._document, ())
+            self.as_written: Scenario = _Reader(self._document.error).read(Scenario, self._document.data)
         except ScenarioError as error:
             raise self.located(error) from None
-        self.scenario = with_absolute_files(scenario, Path(file).absolute().parent)
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario, with the files that it names relative to its own file's folder."""
+        return with_absolute_files(self.as_written, self._document.file.absolute().parent)
 
     @classmethod
     def read(cls, file: str | Path) -> "ScenarioFile":
@@ -102,68 +103,10 @@ def _default(item: "dataclasses.Field[Any]") -> Any:
     return item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
 
 
-def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    """Convert plain data to the annotated type; errors name the value by its line and path."""
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if dataclasses.is_dataclass(kind):
-        return _read_dataclass(typing.cast(type, kind), value, document, path)
-    if origin is types.UnionType:
-        if value is None and type(None) in arguments:
-            return None
-        if isinstance(value, dict) and Mapping[str, Any] in arguments:
-            return value
-        return _read(next(item for item in arguments if item is not type(None)), value, document, path)
-    if origin is tuple:
-        if not isinstance(value, list):
-            raise document.error(path, f"{value!r} is not a list")
-        if arguments[-1] is Ellipsis:
-            return tuple(_read(arguments[0], item, document, (*path, index)) for index, item in enumerate(value))
-        if len(value) != len(arguments):
-            raise document.error(path, f"{value!r} has {len(value)} elements, but {len(arguments)} are needed")
-        return tuple(_read(float, item, document, (*path, index)) for index, item in enumerate(value))
-    if origin is Mapping:
-        if not isinstance(value, dict):
-            raise document.error(path, f"{value!r} is not a mapping")
-        return {str(key): _read(arguments[1], item, document, (*path, key)) for key, item in value.items()}
-    return _read_scalar(kind, value, document, path)
+class _Reader(Reader):
+    texts_of_numbers = True  # xacro arguments are text, also where YAML reads a number
 
-
-def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if kind is float:
-        number = yaml_number(value)
-        if number is None or not isfinite(number):
-            shown = repr(value) if len(repr(value)) <= 80 else repr(value)[:80] + "…"
-            raise document.error(path, f"{shown} is not a finite number")
-        return number
-    if issubclass(kind, Enum):
-        valid = [item.value for item in kind]
-        if value not in valid:
-            raise document.error(path, f"unknown value {value!r}", value=str(value), valid=valid)
-        return kind(value)
-    if kind is int and (not is_number or value != int(value)):
-        raise document.error(path, f"{value!r} is not a whole number")
-    if kind is bool and not isinstance(value, bool):
-        raise document.error(path, f"{value!r} is neither true nor false")
-    if kind is str:
-        if isinstance(value, bool) or is_number:  # xacro arguments are text, also where YAML reads a number
-            return str(value).lower() if isinstance(value, bool) else str(value)
-        if not isinstance(value, str):
-            raise document.error(path, f"{value!r} is not text")
-    return value
-
-
-def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    if value is None and not path:
-        raise document.error(path, "the file is empty: a scenario is needed")
-    if not isinstance(value, dict):
-        raise document.error(path, f"{value!r} is not a mapping")
-    kinds = field_types(kind)
-    for key in value:
-        if key not in kinds:
-            raise document.error((*path, key), "unknown entry", value=str(key), valid=list(kinds))
-    for item in dataclasses.fields(kind):
-        required = item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
-        if required and item.name not in value:
-            raise document.error(path, f"the entry {item.name!r} is missing")
-    return kind(**{key: _read(kinds[key], item, document, (*path, key)) for key, item in value.items()})
+    def read_class(self, kind: type, value: Any, path: ValuePath) -> Any:
+        if value is None and not path:
+            raise self.error(path, "the file is empty: a scenario is needed")
+        return super().read_class(kind, value, path)

@@ -174,8 +174,8 @@ def action_servers(twin: Twin) -> Iterator[ActionServer]:
     def time() -> float:
         return twin.time
 
-    for action, kind in twin.actions().items():
-        yield ActionServer(action, kind, action.rpartition("/")[0], partial(twin.send_goal, action), time)
+    for action, kind in twin.graph.actions().items():
+        yield ActionServer(action, kind, action.rpartition("/")[0], partial(twin.graph.send_goal, action), time)
     steps = f"{SIMULATION_NODE}/simulate_steps"
     kind = "simulation_interfaces/action/SimulateSteps"
     yield ActionServer(steps, kind, SIMULATION_NODE, lambda goal: StepsGoal(twin, goal.steps), time, StepsGoal.proceed)

@@ -34,7 +34,7 @@ class Assets:
         return next((found for place in (address, unquote(address)) if (found := self._read(place)) is not None), None)
 
     def _read(self, address: str) -> bytes | None:
-        for plan in self._twin.plans:
+        for plan in self._twin.built.plans:
             own = plan.description.file
             names = {*_PACKAGE.findall(plan.description.text)}
             if own is not None and (package := containing_package(own.resolve())) is not None:

@@ -15,13 +15,13 @@ _STATES = {UNCONFIGURED: 1, INACTIVE: 2, ACTIVE: 3}  # lifecycle_msgs/msg/State
 
 
 def _plan(twin: Twin, robot: str) -> RobotPlan:
-    return next(plan for plan in twin.plans if plan.name == robot)
+    return next(plan for plan in twin.built.plans if plan.name == robot)
 
 
 @robot_service("controller_manager_msgs/srv/ListControllers", "list_controllers", _NODE)
 def _list_controllers(twin: Twin, robot: str, request: Any) -> Fields:
     plans = {plan.name: plan for plan in _plan(twin, robot).controllers}
-    states = twin.controller_manager(robot).list_controllers()
+    states = twin.control.manager(robot).list_controllers()
     return {"controller": [_controller(state, plans) for state in states]}
 
 
@@ -50,13 +50,13 @@ def _controller(state: ControllerState, plans: dict[str, ControllerPlan]) -> Fie
 
 @robot_service("controller_manager_msgs/srv/ListControllerTypes", "list_controller_types", _NODE)
 def _list_controller_types(twin: Twin, robot: str, request: Any) -> Fields:
-    types = twin.controller_manager(robot).list_controller_types()
+    types = twin.control.manager(robot).list_controller_types()
     return {"types": types, "base_classes": ["controller_interface::ControllerInterface"] * len(types)}
 
 
 @robot_service("controller_manager_msgs/srv/ListHardwareInterfaces", "list_hardware_interfaces", _NODE)
 def _list_hardware_interfaces(twin: Twin, robot: str, request: Any) -> Fields:
-    lists = twin.controller_manager(robot).list_hardware_interfaces()
+    lists = twin.control.manager(robot).list_hardware_interfaces()
     commands, states = (
         [_interface(item.name, is_available=item.is_available, is_claimed=item.is_claimed) for item in items]
         for items in lists
@@ -70,7 +70,7 @@ def _interface(name: str, *, is_available: bool, is_claimed: bool) -> Fields:
 
 @robot_service("controller_manager_msgs/srv/ListHardwareComponents", "list_hardware_components", _NODE)
 def _list_hardware_components(twin: Twin, robot: str, request: Any) -> Fields:
-    manager, rate = twin.controller_manager(robot), round(_plan(twin, robot).update_rate)
+    manager, rate = twin.control.manager(robot), round(_plan(twin, robot).manager.update_rate)
     known = {
         kind: {item.name: item for item in items}
         for kind, items in zip(("command", "state"), manager.list_hardware_interfaces(), strict=True)
@@ -98,22 +98,22 @@ def _list_hardware_components(twin: Twin, robot: str, request: Any) -> Fields:
 
 @robot_service("controller_manager_msgs/srv/LoadController", "load_controller", _NODE)
 def _load_controller(twin: Twin, robot: str, request: Any) -> Fields:
-    return _ok(robot, twin.controller_manager(robot).load_controller(request.name))
+    return _ok(robot, twin.control.manager(robot).load_controller(request.name))
 
 
 @robot_service("controller_manager_msgs/srv/ConfigureController", "configure_controller", _NODE)
 def _configure_controller(twin: Twin, robot: str, request: Any) -> Fields:
-    return _ok(robot, twin.controller_manager(robot).configure_controller(request.name))
+    return _ok(robot, twin.control.manager(robot).configure_controller(request.name))
 
 
 @robot_service("controller_manager_msgs/srv/UnloadController", "unload_controller", _NODE)
 def _unload_controller(twin: Twin, robot: str, request: Any) -> Fields:
-    return _ok(robot, twin.controller_manager(robot).unload_controller(request.name))
+    return _ok(robot, twin.control.manager(robot).unload_controller(request.name))
 
 
 @robot_service("controller_manager_msgs/srv/SwitchController", "switch_controller", _NODE)
 def _switch_controller(twin: Twin, robot: str, request: Any) -> Fields:
-    response = twin.controller_manager(robot).switch_controller(
+    response = twin.control.manager(robot).switch_controller(
         request.activate_controllers, request.deactivate_controllers, int(request.strictness)
     )
     return {"ok": response.ok, "message": response.message}

@@ -32,7 +32,7 @@ def known_entity(twin: Twin, name: str) -> str:
     Raises:
         InputError: If it does not exist.
     """
-    twin.entity_state(name)
+    twin.entities.state(name)
     return name
 
 
@@ -71,7 +71,7 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
     xyz, wxyz = pose_of(pose)
     kind = "sdf" if re.search(r"<sdf\b", text) else "urdf"
     model = uri.removeprefix("file://") or str(lasting_file(f"{name}.{kind}", as_expanded(text)))
-    twin.spawn(Robot(name, model, xyz=xyz, rpy=_rpy(wxyz), namespace=namespace or None))
+    twin.entities.spawn(Robot(name, model, xyz=xyz, rpy=_rpy(wxyz), namespace=namespace or None))
     return name
 
 
@@ -96,7 +96,7 @@ def state_fields(twin: Twin, entity: str, reference: str = "") -> tuple[Fields, 
     Raises:
         InputError: If an entity does not exist.
     """
-    state = twin.entity_state(entity, "world" if reference in WORLD_NAMES else reference)
+    state = twin.entities.state(entity, "world" if reference in WORLD_NAMES else reference)
     pose = {"position": _xyz(state.position), "orientation": dict(zip("wxyz", state.orientation, strict=True))}
     return pose, {"linear": _xyz(state.linear), "angular": _xyz(state.angular)}
 
@@ -114,7 +114,7 @@ def set_state(twin: Twin, entity: str, *, pose: Any = None, twist: Any = None, r
         for name in ("linear", "angular"):
             vector = getattr(twist, name)
             values[name] = (vector.x, vector.y, vector.z)
-    twin.set_entity_state(entity, **values, reference="world" if reference in WORLD_NAMES else reference)
+    twin.entities.set_state(entity, **values, reference="world" if reference in WORLD_NAMES else reference)
 
 
 def world_name(twin: Twin) -> str:

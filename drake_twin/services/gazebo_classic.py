@@ -30,7 +30,7 @@ def _delete_entity(twin: Twin, request: Any) -> Fields:
 
 
 def _delete(twin: Twin, name: str) -> str:
-    twin.delete(name)
+    twin.entities.delete(name)
     return f"Successfully deleted entity [{name}]"
 
 

@@ -51,7 +51,7 @@ class GraphServices:
 
     def loaded(self, twin: Twin) -> tuple[Any, ...]:
         """Return the loaded controllers of each robot, which are nodes, and the state of the node programs."""
-        controllers = tuple(tuple(twin.controller_manager(robot).states) for robot in twin.robots)
+        controllers = tuple(tuple(twin.control.manager(robot).states) for robot in twin.robots)
         return *controllers, None if self._graph is None else self._graph.version
 
     def services(self, twin: Twin) -> tuple[Service, ...]:

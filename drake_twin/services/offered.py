@@ -26,7 +26,7 @@ def _all(twin: Twin) -> Iterator[Service]:
     world = world_name(twin)
     for kind in OF_TWIN:
         yield Service(kind.name.format(world=world), kind.type, kind.node, _for_twin(kind, twin), kind.between_advances)
-    for plan in twin.plans:
+    for plan in twin.built.plans:
         namespace = plan.robot.topic_namespace
         for kind in OF_ROBOT:
             names = f"{namespace}/{kind.name}", kind.type, f"{namespace}/{kind.node}"

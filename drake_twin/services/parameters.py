@@ -35,7 +35,7 @@ _Answer = Callable[[Parameters, Any], Fields]
 
 def parameter_services(twin: Twin) -> Iterator[Service]:
     """Yield the parameter services of all nodes of the robots."""
-    for plan in twin.plans:
+    for plan in twin.built.plans:
         for node, parameters in _nodes(twin, plan):
             for name, (kind, answer) in _ANSWERS.items():
                 yield Service(f"{node}/{name}", f"rcl_interfaces/srv/{kind}", node, partial(answer, parameters))
@@ -47,8 +47,8 @@ def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[tuple[str, Parameters]]:
     description = {"robot_description": plan.description.text, "frame_prefix": plan.frame_prefix}
     yield f"{namespace}/robot_state_publisher", clock | description
     types = {f"{item.name}.type": item.type for item in plan.controllers}
-    yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.update_rate)} | types
-    loaded = twin.controller_manager(plan.name).states
+    yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.manager.update_rate)} | types
+    loaded = twin.control.manager(plan.name).states
     for controller in plan.controllers:
         if controller.name in loaded:
             yield f"{namespace}/{controller.name}", clock | dict(_flat(controller.ros_parameters))

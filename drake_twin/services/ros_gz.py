@@ -28,7 +28,7 @@ def _create(twin: Twin, request: Any) -> Fields:
 @twin_service("ros_gz_interfaces/srv/DeleteEntity", "/world/{world}/remove", between_advances=True)
 def _remove(twin: Twin, request: Any) -> Fields:
     try:
-        twin.delete(_name(request.entity))
+        twin.entities.delete(_name(request.entity))
     except TwinError as error:
         return refused("remove", error, "success")
     return {"success": True}

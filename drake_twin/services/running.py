@@ -52,7 +52,7 @@ def steps(twin: Twin, number: int) -> Generator[int, None, None]:
         raise InputError(f"{number} steps cannot be made: the number must be from 1 to {_MOST_STEPS}")
     made = 0
     while made < number:
-        if not twin.paused:
+        if not twin.clock.paused:
             raise InputError("time is running: pause the simulation before it is stepped")
         begin = wall_clock.perf_counter()
         while made < number and wall_clock.perf_counter() - begin < _SLICE:

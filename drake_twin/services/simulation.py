@@ -91,7 +91,7 @@ def _spawn(twin: Twin, request: Any) -> Fields:
 @twin_service(_srv("DeleteEntity"), _named("delete_entity"), between_advances=True)
 def _delete(twin: Twin, request: Any) -> Fields:
     known = request.entity in entities.entity_names(twin)
-    return _tried(lambda: twin.delete(request.entity), FAILED if known else NOT_FOUND)
+    return _tried(lambda: twin.entities.delete(request.entity), FAILED if known else NOT_FOUND)
 
 
 @twin_service(_srv("GetEntities"), _named("get_entities"))
@@ -171,8 +171,8 @@ def _reset(twin: Twin, request: Any) -> Fields:
         return {"result": result(UNSUPPORTED, "time and state can only be reset together")}
     try:
         if scope & _SPAWNED:
-            for robot in set(twin.robots) - set(twin.first_robots):
-                twin.delete(robot)
+            for robot in set(twin.robots) - set(twin.entities.first_robots):
+                twin.entities.delete(robot)
         if scope & _TIME:
             reset(twin)
     except TwinError as error:
@@ -199,9 +199,9 @@ def _set_simulation_state(twin: Twin, request: Any) -> Fields:
 
 
 def _present_state(twin: Twin) -> int:
-    if not twin.paused:
+    if not twin.clock.paused:
         return _PLAYING
-    return _PAUSED if twin.step_count else _STOPPED
+    return _PAUSED if twin.clock.step_count else _STOPPED
 
 
 @twin_service(_srv("StepSimulation"), _named("step_simulation"), between_advances=True)

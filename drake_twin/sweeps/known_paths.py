@@ -9,7 +9,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import parameter_names
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.errors import InputError
-from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario
 from drake_twin.twin.varied_parameters import JOINT_VALUES, LINK_VALUES
 

@@ -97,7 +97,7 @@ class Metric:
         """Return the topics whose messages the metric is given."""
         kinds = getattr(self.call, "types", ())
         named = [str(topic) for topic in getattr(self.call, "topics", ())]
-        known = twin.topics()
+        known = twin.graph.topics()
         return named + [topic for topic in known if known[topic] in kinds and "ground_truth" not in topic]
 
     def columns(self, history: RunHistory, messages: Messages) -> dict[str, float | None]:
@@ -152,7 +152,7 @@ class Condition:
 
 def has_fallen(twin: Twin) -> bool:
     """Return whether the base of a robot lies on its side, or below the world (1 m)."""
-    for plan in twin.plans:
+    for plan in twin.built.plans:
         if plan.model.is_fixed:
             continue
         pose = twin.robot_state(plan.name, with_efforts=False).base_pose

@@ -45,7 +45,7 @@ class StateLog:
             every *= 2
         data = [sink.FindLog(twin.context).data()[:, ::every].T.copy() for sink in self._sinks]
         times = log.sample_times()[::every].copy()
-        robots = {plan.name: _of_robot(twin.plant, plan, times, *data) for plan in twin.plans}
+        robots = {plan.name: _of_robot(twin.plant, plan, times, *data) for plan in twin.built.plans}
         return RunHistory(robots, np.zeros(0), np.zeros(0))
 
 

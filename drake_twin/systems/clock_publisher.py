@@ -7,7 +7,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin import messages
-from drake_twin.systems.draft import Drafter
+from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem

@@ -14,10 +14,10 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Pose
-from drake_twin.systems.draft import Drafter
+from drake_twin.kinematics.rotations import quaternion_from_rpy
+from drake_twin.kinematics.state_layout import StateLayout
+from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value
-from drake_twin.systems.rotations import quaternion_from_rpy
-from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 

@@ -56,7 +56,7 @@ class JointServo(WitnesslessSystem):
     The servo itself is Drake's implicit PD inside the plant, so no Python runs in a physics step. As in
     gz_ros2_control, an unclaimed joint is held, a joint with a claimed velocity that is not yet written stands still,
     and one with a claimed effort that is not yet written has zero effort. The assignment's modes define how each joint
-    is driven at the moment; `drake_twin.diagram.servo_modes` changes them as commands and motion require.
+    is driven at the moment; `drake_twin.twin.servo_modes` changes them as commands and motion require.
 
     .. pydrake_system::
 

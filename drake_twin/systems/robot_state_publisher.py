@@ -14,10 +14,11 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
-from drake_twin.systems.draft import Draft, Drafter, LaterDraft, Reading
-from drake_twin.systems.joint_frames import JointFrames
+from drake_twin.kinematics.joint_frames import JointFrames
+from drake_twin.kinematics.state_layout import StateLayout
+from drake_twin.messages.draft import Draft, Drafter, LaterDraft
 from drake_twin.systems.no_message import empty_value, or_none
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.systems.plant_reading import Reading
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 

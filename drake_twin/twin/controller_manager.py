@@ -275,7 +275,7 @@ class ControllerManager:
         self._note("switch_controller", tuple(to_start), tuple(to_stop), strictness)
         if strictness not in (UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
             return Response(False, f"unknown strictness {strictness!r}: 1 is BEST_EFFORT, 2 is STRICT")
-        strictness = strictness or self._plan.strictness
+        strictness = strictness or self._plan.manager.strictness
         for names in (to_stop, to_start):
             if names and not any(name in self._states for name in names):
                 unknown = "; ".join(map(self._rules.not_loaded, names))

@@ -1,248 +1,345 @@
-"""Poses and motion of robots, their links and the world's models: read and set them, apply wrenches.
+"""What is in a twin's world: robots, models and links are read, spawned, deleted, put elsewhere, pushed and dragged."""
 
-Names are Gazebo's: a robot or a model of the world (``robot_1``), or one of its links (``robot_1::base_link``). Poses
-and twists are in the world, or in the frame of another entity.
-"""
-
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from math import isfinite
+import logging
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.tree import RigidBody
-from pydrake.systems.framework import Context
 
-from drake_twin.description.drake_urdf import drake_link_name
-from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.saved import saved
+from drake_twin.planning.sensor_plan import SensorPlan
+from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
+from drake_twin.scenario.absolute_files import robot_with_files_found
+from drake_twin.twin.entity_state import (
+    EntityState,
+    entity_state,
+    finite_numbers,
+    make_wrench,
+    set_entity_state,
+    set_joint_positions,
+)
+from drake_twin.twin.group import Group
+from drake_twin.twin.pull import PERIOD, make_pull
+from drake_twin.twin.recording import recorded
+from drake_twin.twin.session import Session
 from drake_twin.values import is_number
 
-WORLD = "world"
+_log = logging.getLogger(__name__)
+
+_STILL = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class EntityState:
-    """Pose and twist of an entity in a reference frame.
+class Entities(Group):
+    """What is in the world: robots, its models, and their links (``robot_1::base_link``); `Twin.entities`."""
 
-    Attributes:
-        position: The position x, y, z (m).
-        orientation: The quaternion w, x, y, z.
-        linear: The velocity of its origin (m/s).
-        angular: The angular velocity (rad/s).
-    """
+    @recorded("spawn", outside_callbacks="spawn")
+    def spawn(self, robot: Robot, *, plan: RobotPlan | None = None) -> None:
+        """Add a robot to the world; all others keep their state.
 
-    position: tuple[float, float, float]
-    orientation: tuple[float, float, float, float]
-    linear: tuple[float, float, float]
-    angular: tuple[float, float, float]
+        Args:
+            robot: The robot, as a scenario has it. Its controllers are active at once.
+            plan: Its plan, if that was made before.
+
+        Raises:
+            InputError: If there is one of its name already, or its files cannot be used; nothing is changed then.
+        """
+        session = self._session
+        if not isinstance(robot, Robot):
+            raise InputError(f"{shortened(robot)} is not a Robot: make one with Robot(name, model)")
+        if any(known.name == robot.name for known in session.scenario.robots):
+            raise InputError(f"Entity [{robot.name}] already exists.")
+        found = robot_with_files_found(robot, session.scenario.package_paths)
+        scenario = replace(session.scenario, robots=(*session.scenario.robots, found))
+        session.rebuild(scenario, () if plan is None else (plan,))
+        session.sunk |= {robot.name: ()} | session.find_sunk((robot.name,))
+        for finding in session.sunk[robot.name]:
+            _log.warning("%s", finding)
+
+    @recorded("delete", outside_callbacks="delete")
+    def delete(self, robot: str) -> None:
+        """Remove a robot with its topics and commands, or a model of the world; all others keep their state.
+
+        Args:
+            robot: The name of the robot or model.
+
+        Raises:
+            InputError: If the robot or model is unknown, or the robot is the last one.
+        """
+        session, scenario = self._session, self._session.scenario
+        pushes = tuple(push for push in scenario.pushes if push.entity.partition("::")[0] != robot)
+        if robot not in session.robots:
+            _check_model(session, robot)
+            world = scenario.world
+            poses = {name: pose for name, pose in world.model_poses.items() if name != robot}
+            if robot in world.model_copies:
+                copies = {name: model for name, model in world.model_copies.items() if name != robot}
+                world = replace(world, model_copies=copies, model_poses=poses)
+            else:
+                world = replace(world, without_models=(*world.without_models, robot), model_poses=poses)
+            session.rebuild(replace(scenario, world=world, pushes=pushes))
+            return
+        kept = tuple(item for item in scenario.robots if item.name != robot)
+        if not (kept or scenario.nodes):
+            raise InputError(f"Entity [{robot}] is the last one: a twin needs at least one robot.")
+        commanded = session.built.commanded.values()
+        own = {item.topic for item in commanded if item.robot == robot}
+        own -= {item.topic for item in commanded if item.robot != robot}
+        commands = tuple(command for command in scenario.commands if command.topic not in own)
+        values = {name: value for name, value in scenario.values.items() if name.partition(".")[0] != robot}
+        session.rebuild(replace(scenario, robots=kept, commands=commands, values=values, pushes=pushes))
+
+    @property
+    def first_robots(self) -> tuple[str, ...]:
+        """The names of the robots that the twin started with; the others have been spawned since."""
+        return self._session.first_robots
+
+    @property
+    def sensors(self) -> tuple[tuple[str, SensorPlan], ...]:
+        """The sensors that are simulated, each with its robot's name, or with that of its model of the world."""
+        built = self._session.built
+        of_robots = [(plan.name, item) for plan in built.plans for item in plan.sensors]
+        return (*of_robots, *((model.name, item) for model in built.sensing_models for item in model.sensors))
+
+    def state(self, entity: str, reference: str = "world") -> EntityState:
+        """Return pose and twist of a robot, a model of the world, or a link (``robot_1::base_link``).
+
+        Args:
+            entity: Its name.
+            reference: ``world``, or the entity whose frame they are in.
+
+        Raises:
+            InputError: If an entity is unknown.
+        """
+        return entity_state(self._session.built, self._session.physics.plant_context, entity, reference)
+
+    @recorded("set_entity_state")
+    def set_state(
+        self,
+        entity: str,
+        position: Iterable[float] | None = None,
+        orientation: Iterable[float] | None = None,
+        linear: Iterable[float] | None = None,
+        angular: Iterable[float] | None = None,
+        reference: str = "world",
+    ) -> None:
+        """Move a robot or a moving model of the world at once and without forces; what is not given stays.
+
+        Args:
+            entity: Its name.
+            position: x, y, z of its root link (m).
+            orientation: Quaternion w, x, y, z.
+            linear: Velocity (m/s).
+            angular: Angular velocity (rad/s).
+            reference: ``world``, or the entity whose frame all of it is in.
+
+        Raises:
+            InputError: If the entity is unknown or cannot be moved, or a value is invalid.
+        """
+        built, context = self._session.built, self._session.physics.plant_context
+        set_entity_state(built, context, entity, position, orientation, linear, angular, reference)
+        self._session.physics.detachable_joints.moved(entity)
+
+    @recorded("place", outside_callbacks="rearrange")
+    def place(self, entity: str, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
+        """Put a robot or a model of the world elsewhere, at rest; also what is welded to the world or never moves.
+
+        Joints keep their positions, and all others their state.
+
+        Args:
+            entity: Its name.
+            xyz: The position of its root link, or of a static model, in the world (m).
+            rpy: Roll, pitch and yaw (rad).
+
+        Raises:
+            InputError: If the entity is unknown or moves on driven joints, or a value is invalid.
+        """
+        from pydrake.math import RollPitchYaw
+
+        session = self._session
+        x, y, z = map(float, finite_numbers(xyz, 3, "position"))
+        roll, pitch, yaw = map(float, finite_numbers(rpy, 3, "roll, pitch and yaw"))
+        robots = {plan.name: plan for plan in session.built.plans}
+        if entity not in robots:
+            _check_model(session, entity)
+        is_welded = entity in robots and robots[entity].model.is_fixed and not robots[entity].description.base_joints
+        if is_welded or not (entity in robots or entity in session.built.world_models):
+            session.rebuild(_moved(session.scenario, entity, (x, y, z), (roll, pitch, yaw)))
+        else:
+            orientation = RollPitchYaw(roll, pitch, yaw).ToQuaternion().wxyz()
+            context = session.physics.plant_context
+            set_entity_state(session.built, context, entity, (x, y, z), orientation, _STILL, _STILL)
+        session.physics.detachable_joints.moved(entity)
+
+    @recorded("copy_model", outside_callbacks="rearrange")
+    def copy_model(self, model: str, name: str, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
+        """Add a model like one of the world.
+
+        Args:
+            model: The name of a model of the world.
+            name: The name of the new one.
+            xyz: Its position in the world (m).
+            rpy: Its roll, pitch and yaw (rad).
+
+        Raises:
+            InputError: If the model is unknown, the name is taken or no name, or a value is invalid.
+        """
+        session, world = self._session, self._session.scenario.world
+        pose = (*finite_numbers(xyz, 3, "position"), *finite_numbers(rpy, 3, "roll, pitch and yaw"))
+        _check_model(session, model)
+        assert session.built.world_file is not None
+        if not isinstance(name, str) or not name or "::" in name:
+            raise InputError(f"{shortened(name)} cannot name a model")
+        if name in (*session.robots, *(item.name for item in session.built.world_file.models), *world.without_models):
+            raise InputError(f"Entity [{name}] already exists.")
+        x, y, z, roll, pitch, yaw = map(float, pose)
+        copies = {**world.model_copies, name: world.model_copies.get(model, model)}
+        poses = {**world.model_poses, name: (x, y, z, roll, pitch, yaw)}
+        session.rebuild(replace(session.scenario, world=replace(world, model_copies=copies, model_poses=poses)))
+
+    @recorded("apply_wrench")
+    def apply_wrench(
+        self,
+        entity: str,
+        force: Iterable[float] = (0.0, 0.0, 0.0),
+        torque: Iterable[float] = (0.0, 0.0, 0.0),
+        duration: float = 0.0,
+        reference: str = "world",
+        at: Iterable[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Push a link for a while; force times duration is the impulse (N·s).
+
+        Args:
+            entity: A link, or a robot or model for its root link.
+            force: N, in the axes that ``reference`` has now.
+            torque: N·m, likewise.
+            duration: How long (simulated s); one step at least.
+            reference: ``world``, or an entity.
+            at: The point of the link at which the force acts, in the link's frame (m).
+
+        Raises:
+            InputError: If an entity is unknown, or a value is invalid.
+        """
+        session, until = self._session, self._end(duration)
+        context = session.physics.plant_context
+        wrench = make_wrench(session.built, context, entity, force, torque, until, reference, at)
+        session.wrenches.drop_ended(session.clock.time)
+        session.wrenches.put((*session.wrenches.items, wrench))
+
+    @recorded("drag")
+    def drag(
+        self,
+        entity: str,
+        target: Iterable[float],
+        at: Iterable[float] = (0.0, 0.0, 0.0),
+        duration: float = LONGEST_TIME,
+        stiffness: float | None = None,
+    ) -> None:
+        """Draw a point of a link to a point of the world with a damped spring, in place of the one that draws it now.
+
+        The spring's force follows the motion every 5 ms of simulated time, and is constant in between.
+
+        Args:
+            entity: A link, or a robot or model for its root link.
+            target: Where to draw it to, in the world (m).
+            at: The point of the link, in the link's frame (m).
+            duration: How long (simulated s); until `release` by default.
+            stiffness: N/m. By default the spring and the robot's or model's whole mass have 10 rad/s, or less where the
+                link is so light that this would be unstable. The damping is critical.
+
+        Raises:
+            InputError: If the entity is unknown or fixed to the world, or a value is invalid.
+        """
+        session, until = self._session, self._end(duration)
+        clock, wrenches, context = session.clock, session.wrenches, session.physics.plant_context
+        known = next((item for item in wrenches.pulls if item.entity == str(entity)), None)
+        period = clock.steps(PERIOD) * clock.time_step
+        pull = make_pull(session.built, context, entity, target, at, until, stiffness, period, known)
+        wrenches.drop_ended(clock.time)
+        wrenches.put([*(item for item in wrenches.items if item is not known), pull])
+
+    @recorded("release")
+    def release(self, entity: str) -> None:
+        """End what `drag` began; nothing happens if nothing draws the entity."""
+        self._session.wrenches.release(str(entity))
+
+    @recorded("set_joint_positions")
+    def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
+        """Set joint positions at once, without forces; velocities stay, servos hold them, and joints that mimic them follow.
+
+        Args:
+            robot: The robot's name.
+            positions: Joint name → position (rad or m).
+
+        Raises:
+            InputError: If the robot or a joint is unknown, or a position is not a finite number.
+        """
+        session = self._session
+        set_joint_positions(session.built, session.physics.plant_context, session.plan(robot), positions)
+        session.physics.detachable_joints.moved(robot)
+        session.controls[robot].release(positions)
+
+    @recorded("set_values", outside_callbacks="change")
+    def set_values(self, values: Mapping[str, float]) -> None:
+        """Set parameters of the plant at once, as the scenario would with these ``values`` beside its own.
+
+        `Twin.reset` takes them back; all other parameters become the scenario's. Servo gains stay as they are.
+
+        Args:
+            values: Name → value, as in `Scenario`.
+
+        Raises:
+            InputError: If a value is unknown or invalid; nothing is changed then.
+        """
+        self._session.physics.set_values({**self._session.scenario.values, **values})
+
+    def start_positions(self, robot: str) -> Mapping[str, float]:
+        """Return the position of each movable joint at the start (rad or m).
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        return self._session.plan(robot).joints.start_positions
+
+    def state_layout(self, robot: str) -> StateLayout:
+        """Return where joints and base stand in `state_vector`; it lives as long as `Twin.diagram`.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        return self._session.built.robots[self._session.plan(robot).name].layout
+
+    def state_vector(self, robot: str) -> np.ndarray:
+        """Return a robot's positions and velocities ``[q; v]``, as Drake has them: the fastest way to read them.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        return self._session.physics.robot_state(self._session.plan(robot).name)
+
+    def _end(self, duration: float) -> float:
+        if not is_number(duration) or duration < 0:
+            raise InputError(f"invalid duration {duration!r} s: it must be a number from zero up")
+        clock = self._session.clock
+        return min(clock.time + max(float(duration), clock.time_step), LONGEST_TIME)
 
 
-@saved("Wrench")
-@dataclass(frozen=True)
-class Wrench:
-    """A force and a torque that act on a link for some time.
-
-    Attributes:
-        entity: The full name of the link.
-        force: The force, in the world's axes (N).
-        torque: The torque, in the world's axes (N·m).
-        until: The simulation time at which it ends (s).
-        at: The point of the link at which the force acts, in the link's frame (m).
-    """
-
-    entity: str
-    force: tuple[float, float, float]
-    torque: tuple[float, float, float]
-    until: float
-    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+def _moved(
+    scenario: Scenario, entity: str, xyz: tuple[float, float, float], rpy: tuple[float, float, float]
+) -> Scenario:
+    """Return a scenario in which a robot, or a model of the world, starts elsewhere."""
+    if any(robot.name == entity for robot in scenario.robots):
+        robots = (replace(item, xyz=xyz, rpy=rpy) if item.name == entity else item for item in scenario.robots)
+        return replace(scenario, robots=tuple(robots))
+    poses = {**scenario.world.model_poses, entity: (*xyz, *rpy)}
+    return replace(scenario, world=replace(scenario.world, model_poses=poses))
 
 
-def find_body(built: TwinDiagram, entity: str) -> RigidBody:
-    """Return the body of an entity: a link, or a model's root link.
-
-    Raises:
-        InputError: If the entity does not exist.
-    """
-    plant = built.plant
-    name, separator, link = str(entity).partition("::")
-    plans = {plan.name: plan for plan in built.plans}
-    if name in plans:
-        plan, instance = plans[name], built.robots[name].instance
-        own = drake_link_name(link) if separator else plan.model.root_body
-        if plant.HasBodyNamed(own, instance):
-            return plant.GetBodyByName(own, instance)
-        raise InputError(f"robot {name!r} has no link {link!r}", value=link, valid=plan.description.links)
-    if name in built.world_models:
-        bodies = [plant.get_body(i) for item in built.world_models[name] for i in plant.GetBodyIndices(item)]
-        for body in bodies:
-            if not separator or body.name() == link:
-                return body
-        raise InputError(f"model {name!r} has no link {link!r}", value=link, valid=[body.name() for body in bodies])
-    valid = [*plans, *built.world_models]
-    raise InputError(f"Entity [{entity}] does not exist.", value=str(entity), valid=valid)
-
-
-def _free_bodies(built: TwinDiagram, entity: str) -> list[RigidBody]:
-    """Return the bodies of a robot or model that float; none of a link."""
-    instances = (built.robots[entity].instance,) if entity in built.robots else built.world_models.get(entity, ())
-    bodies = [built.plant.get_body(index) for item in instances for index in built.plant.GetBodyIndices(item)]
-    return [body for body in bodies if body.is_floating_base_body() and body.has_quaternion_dofs()]
-
-
-def entity_state(built: TwinDiagram, plant_context: Context, entity: str, reference: str = WORLD) -> EntityState:
-    """Return the pose and twist of an entity, in the world or in another entity's frame.
-
-    Raises:
-        InputError: If an entity does not exist.
-    """
-    body = find_body(built, entity)
-    plant = built.plant
-    frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
-    X = body.body_frame().CalcPose(plant_context, frame)
-    V = body.body_frame().CalcSpatialVelocity(plant_context, frame, frame)
-    return EntityState(
-        _three(X.translation()),
-        tuple(map(float, X.rotation().ToQuaternion().wxyz())),  # type: ignore[arg-type]
-        _three(V.translational()),
-        _three(V.rotational()),
-    )
-
-
-def set_entity_state(
-    built: TwinDiagram,
-    plant_context: Context,
-    entity: str,
-    *,
-    position: Iterable[float] | None = None,
-    orientation: Iterable[float] | None = None,
-    linear: Iterable[float] | None = None,
-    angular: Iterable[float] | None = None,
-    reference: str = WORLD,
-) -> None:
-    """Set the pose or velocity of a robot or a moving model; parts that are not given stay.
-
-    Args:
-        built: The diagram.
-        plant_context: Its plant's context.
-        entity: The robot or model.
-        position: The position x, y, z (m).
-        orientation: The quaternion w, x, y, z of any length.
-        linear: The velocity (m/s).
-        angular: The angular velocity (rad/s).
-        reference: ``world`` or the entity in whose frame all values are.
-
-    Raises:
-        InputError: If an entity does not exist or cannot be moved, or a value is invalid.
-    """
-    plant = built.plant
-    body = find_body(built, entity)
-    if not body.is_floating_base_body() or not body.has_quaternion_dofs():
-        what = "is fixed to the world, or to another link, or moves on driven joints"
-        raise InputError(f"Entity [{entity}] cannot be moved: it {what}")
-    frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
-    now = entity_state(built, plant_context, entity, reference)
-    p = finite_numbers(position, 3, "position") if position is not None else np.array(now.position)
-    q = finite_numbers(orientation, 4, "orientation") if orientation is not None else np.array(now.orientation)
-    if not np.abs(q).max() > 0:
-        raise InputError("the orientation is zero, which is not a rotation")
-    v = finite_numbers(linear, 3, "linear velocity") if linear is not None else np.array(now.linear)
-    w = finite_numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
-    X_WR = plant.CalcRelativeTransform(plant_context, plant.world_frame(), frame)
-    X_WB = X_WR @ RigidTransform(_rotation(q), p)
-    V_WR = frame.CalcSpatialVelocityInWorld(plant_context)
-    p_RB_W = X_WR.rotation() @ p
-    angular_W = V_WR.rotational() + X_WR.rotation() @ w
-    linear_W = V_WR.translational() + np.cross(V_WR.rotational(), p_RB_W) + X_WR.rotation() @ v
-    from pydrake.multibody.math import SpatialVelocity
-
-    X_change = X_WB @ body.EvalPoseInWorld(plant_context).inverse()
-    others = [each for each in _free_bodies(built, entity) if each.index() != body.index()]
-    for other in others:  # of a model with several trees of links all move, as in gz-physics (FreeGroupFeatures.cc)
-        plant.SetFreeBodyPose(plant_context, other, X_change @ other.EvalPoseInWorld(plant_context))
-    plant.SetFreeBodyPose(plant_context, body, X_WB)
-    for each in (body, *(others if linear is not None or angular is not None else ())):
-        plant.SetFreeBodySpatialVelocity(plant_context, each, SpatialVelocity(w=angular_W, v=linear_W))
-
-
-def set_joint_positions(
-    built: TwinDiagram, plant_context: Context, plan: RobotPlan, positions: Mapping[str, float]
-) -> None:
-    """Set joint positions (rad or m) of a robot without applying forces.
-
-    Joints that mimic others and are not named follow: else their coupling would close the gap in one step.
-
-    Raises:
-        InputError: If a joint is unknown, or a position is not a finite number.
-    """
-    if not isinstance(positions, Mapping):
-        raise InputError(f"{positions!r} is not a mapping of joints to positions")
-    parts = built.robots[plan.name]
-    q = built.plant.GetPositions(plant_context, parts.instance)
-    for joint, position in positions.items():
-        if joint not in plan.start_positions:
-            text = f"robot {plan.name!r} has no movable joint {joint!r}"
-            raise InputError(text, value=str(joint), valid=plan.start_positions)
-        if not is_number(position):
-            raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
-        q[parts.layout.positions[joint]] = position
-    joints = plan.description.movable_joints
-    now = {joint.name: q[parts.layout.positions[joint.name]] for joint in joints}
-    for joint, position in plan.description.with_followers(now).items():
-        if joint not in positions:
-            q[parts.layout.positions[joint]] = position
-    built.plant.SetPositions(plant_context, parts.instance, q)
-
-
-def make_wrench(
-    built: TwinDiagram,
-    plant_context: Context,
-    entity: str,
-    force: Iterable[float],
-    torque: Iterable[float],
-    until: float,
-    reference: str,
-    at: Iterable[float],
-) -> Wrench:
-    """Return a wrench in the world's axes, given one in a frame.
-
-    Raises:
-        InputError: If an entity does not exist, or a value is invalid.
-    """
-    find_body(built, entity)
-    R = RotationMatrix()
-    if reference != WORLD:
-        R = find_body(built, reference).body_frame().CalcPoseInWorld(plant_context).rotation()
-    turned = [R @ finite_numbers(vector, 3, what) for vector, what in ((force, "force"), (torque, "torque"))]
-    point = finite_numbers(at, 3, "point")
-    return Wrench(str(entity), _three(turned[0]), _three(turned[1]), until, _three(point))
-
-
-def _rotation(q: np.ndarray) -> RotationMatrix:
-    from pydrake.common.eigen_geometry import Quaternion
-
-    q = q / np.abs(q).max()  # first, because the squares of very large numbers overflow
-    return RotationMatrix(Quaternion(q / np.linalg.norm(q)))
-
-
-def finite_numbers(values: Iterable[float], count: int, what: str) -> np.ndarray:
-    """Return a list of numbers as an array.
-
-    Raises:
-        InputError: If there are not ``count`` of them, or one is not finite; ``what`` names them.
-    """
-    try:
-        numbers = np.array([float(value) for value in values])
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the {what} {shortened(values)} is not a list of numbers") from None
-    if numbers.shape != (count,) or not all(map(isfinite, numbers)):
-        raise InputError(f"the {what} {shortened(values)} is not {count} finite numbers")
-    return numbers
-
-
-def _three(vector: Sequence[float] | np.ndarray) -> tuple[float, float, float]:
-    x, y, z = map(float, vector)
-    return x, y, z
+def _check_model(session: Session, entity: str) -> None:
+    """Raise `InputError` if the world has no model of the name."""
+    models = [] if session.built.world_file is None else [model.name for model in session.built.world_file.models]
+    if entity not in models:
+        valid = [*session.robots, *models]
+        raise InputError(f"Entity [{entity}] does not exist.", value=str(entity), valid=valid)

@@ -27,7 +27,7 @@ from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.detachable_joints import DetachableJoints
-from drake_twin.twin.entities import Wrench, find_body
+from drake_twin.twin.entity_state import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.late_measurements import LateMeasurements, Past
 from drake_twin.twin.plant_parameters import PlantParameters

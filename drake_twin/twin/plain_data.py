@@ -4,12 +4,9 @@ A mapping with the key ``!`` represents a value that JSON lacks: a tuple, an arr
 class of this package by its registered name and version, a ROS message. Numbers are restored to the last bit.
 """
 
-import types
-import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import cache
 from math import isfinite
 from typing import Any
 
@@ -18,6 +15,7 @@ import numpy as np
 from drake_twin import messages
 from drake_twin.errors import InputError
 from drake_twin.saved import SAVED_CLASSES, saved_name
+from drake_twin.typed_data import field_types, misfit
 
 
 def to_plain(value: Any) -> Any:
@@ -87,16 +85,13 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
     found: Any = SAVED_CLASSES.get(kind)
     if found is None:
         raise ValueError(f"{kind} is not a class with saved values")
-    name = found.__name__
+    name, kinds = found.__name__, field_types(found)
     if hasattr(found, "_fields"):
         value = found(*(from_plain(item) for item in data["items"]))
-        names: Iterable[str] = found._fields
     else:
-        value = found(**{key: _of_kind(_hints(found).get(key), from_plain(item)) for key, item in data.items()})
-        names = [item.name for item in fields(found)]
-    hints = _hints(found)
-    for field in names:
-        if not _fits(getattr(value, field), hints.get(field, Any)):
+        value = found(**{key: _of_kind(kinds.get(key), from_plain(item)) for key, item in data.items()})
+    for field, kind_of_field in kinds.items():
+        if misfit(kind_of_field, getattr(value, field)) is not None:
             raise ValueError(f"{messages.shortened(getattr(value, field))} is not a valid {field} of {name}")
     return value
 
@@ -104,35 +99,3 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
 def _of_kind(hint: Any, value: Any) -> Any:
     """Return an entry; JSON has only the text of a named value, such as a finding's kind."""
     return hint(value) if isinstance(hint, type) and issubclass(hint, Enum) else value
-
-
-@cache
-def _hints(kind: Any) -> dict[str, Any]:
-    return typing.get_type_hints(kind)
-
-
-def _fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of an annotated type; true if that cannot be checked."""
-    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
-    if hint is Any or isinstance(hint, typing.TypeVar):
-        return True
-    if hint is None or hint is type(None):
-        return value is None
-    if origin in (typing.Union, types.UnionType):
-        return any(_fits(value, each) for each in arguments)
-    if origin is typing.Literal:
-        return value in arguments
-    if origin is tuple:
-        if not isinstance(value, tuple):
-            return False
-        if len(arguments) == 2 and arguments[1] is Ellipsis:
-            return all(_fits(item, arguments[0]) for item in value)
-        return len(value) == len(arguments) and all(map(_fits, value, arguments))
-    if hint is float:
-        return isinstance(value, float) or (
-            isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**53
-        )
-    if hint is int:
-        return isinstance(value, int) and not isinstance(value, bool)
-    kind = origin or hint
-    return isinstance(value, kind) if isinstance(kind, type) else True

@@ -14,7 +14,7 @@ from pydrake.systems.framework import Context
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
 from drake_twin.saved import saved
-from drake_twin.twin.entities import find_body, finite_numbers
+from drake_twin.twin.entity_state import find_body, finite_numbers
 from drake_twin.values import is_number
 
 PERIOD = 0.005  # s of simulation time between two renewals of the force
@@ -63,21 +63,11 @@ def make_pull(
     period: float,
     known: Pull | None,
 ) -> Pull:
-    """Return a spring with its present force.
+    """Return a spring with its present force; see `Entities.drag`.
 
     Args:
-        built: The diagram.
-        plant_context: Its plant's context.
-        entity: The link, robot or model.
-        target: The point in the world (m).
-        at: The point of the link (m).
-        until: The time at which it ends (s).
-        stiffness: N/m; None for one that fits the mass.
         period: The time between two renewals of its force (s).
         known: The entity's spring until now: at the same point, its stiffness is kept.
-
-    Raises:
-        InputError: If the entity is unknown or fixed to the world, or a value is invalid.
     """
     body = find_body(built, entity)
     x, y, z = map(float, finite_numbers(target, 3, "target"))

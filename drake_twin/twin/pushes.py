@@ -10,7 +10,7 @@ from drake_twin.description.robot_description import Vector3
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
 from drake_twin.scenario import Push, Scenario, ScenarioError
-from drake_twin.twin.entities import find_body
+from drake_twin.twin.entity_state import find_body
 
 
 def settled_pushes(built: TwinDiagram, scenario: Scenario) -> tuple[Push, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.schedule import step_at
+from drake_twin.twin.twin_clock import TwinClock
 
 _FRAME = 1 / 30  # s of wall time between two frames
 _SLICES = 7  # of a frame while other programs use the inbox: none longer than 5 ms
@@ -38,23 +39,8 @@ class Running(Protocol):
     """What is run, which is `Twin`; its members are described there."""
 
     inbox: Inbox
-    real_time_rate: float
-
-    @property
-    def frames(self) -> Frames:
-        """What each frame calls."""
-
-    @property
-    def paused(self) -> bool:
-        """Whether time stands still."""
-
-    @property
-    def step_count(self) -> int:
-        """The number of steps since the start."""
-
-    @property
-    def time_step(self) -> float:
-        """The physics step (s)."""
+    frames: Frames
+    clock: TwinClock
 
     def pause(self) -> None:
         """Let time stand still."""
@@ -84,15 +70,15 @@ def _run(
     owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
     while _begin_frame(twin, until, each_frame):
         twin.draw()
-        if as_fast_as_possible and not twin.paused:
+        if as_fast_as_possible and not twin.clock.paused:
             _advance_for(twin, _FRAME, until)
             continue
         slices = _SLICES if twin.inbox.is_urgent else 1
         for _ in range(slices):
-            if not twin.paused:
-                owed += _FRAME / slices * twin.real_time_rate
-                steps = min(floor(owed / twin.time_step + 1e-9), _MOST_STEPS_A_FRAME)
-                owed = min(owed - steps * twin.time_step, twin.time_step)
+            if not twin.clock.paused:
+                owed += _FRAME / slices * twin.clock.real_time_rate
+                steps = min(floor(owed / twin.clock.time_step + 1e-9), _MOST_STEPS_A_FRAME)
+                owed = min(owed - steps * twin.clock.time_step, twin.clock.time_step)
                 _advance_by(twin, steps, until)
             if twin.inbox.is_open:
                 twin.inbox.work()
@@ -104,7 +90,7 @@ def _run(
 def _wait_until(twin: Running, wall_time: float) -> None:
     """Wait; a twin that is paused does requests as they arrive, so that stepping it from outside takes no frame."""
     while (left := wall_time - wall_clock.perf_counter()) > 0:
-        if twin.paused and twin.inbox.is_open:
+        if twin.clock.paused and twin.inbox.is_open:
             twin.inbox.wait(left)
             twin.inbox.work()
         else:
@@ -124,22 +110,22 @@ def _begin_frame(twin: Running, until: float | None, each_frame: Callable[[], bo
 
 
 def _is_over(twin: Running, until: float | None) -> bool:
-    return until is not None and twin.step_count >= step_at(until, twin.time_step)
+    return until is not None and twin.clock.step_count >= step_at(until, twin.clock.time_step)
 
 
 def _advance_by(twin: Running, steps: int, until: float | None) -> None:
     """Advance by a number of steps, but not past the end."""
-    target = twin.step_count + steps
+    target = twin.clock.step_count + steps
     if until is not None:
-        target = min(target, step_at(until, twin.time_step))
-    if target > twin.step_count:
-        twin.advance_to(target * twin.time_step)
+        target = min(target, step_at(until, twin.clock.time_step))
+    if target > twin.clock.step_count:
+        twin.advance_to(target * twin.clock.time_step)
 
 
 def _advance_for(twin: Running, wall_time: float, until: float | None) -> None:
     """Advance for about a span of wall time (s)."""
     start = wall_clock.perf_counter()
-    while not twin.paused and not _is_over(twin, until):
-        _advance_by(twin, max(1, round(_SLICE / twin.time_step)), until)
+    while not twin.clock.paused and not _is_over(twin, until):
+        _advance_by(twin, max(1, round(_SLICE / twin.clock.time_step)), until)
         if wall_clock.perf_counter() - start > wall_time:
             return

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass, field, is_dataclass, replace
 from numbers import Real
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -21,28 +21,29 @@ from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.version_1 import converted_recording
 
 _KIND, _VERSION = "recording", 2
-CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
+CONTROLLER_MANAGER = "controller_manager"
 SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
-_METHODS = (
-    "apply_wrench",
-    "clear_emergency_stop",
-    "copy_model",
-    "delete",
-    "drag",
-    "emergency_stop",
-    "place",
-    "publish",
-    "release",
-    "reset",
-    "restore",
-    "send_goal",
-    "set_entity_state",
-    "set_joint_positions",
-    "set_time_step",
-    "set_values",
-    "silence",
-    "spawn",
-)  # names of methods of `Twin`
+CALLS = {
+    "apply_wrench": "entities.apply_wrench",
+    "cancel": "control.cancel",
+    "clear_emergency_stop": "control.clear_emergency_stop",
+    "copy_model": "entities.copy_model",
+    "delete": "entities.delete",
+    "drag": "entities.drag",
+    "emergency_stop": "control.emergency_stop",
+    "place": "entities.place",
+    "publish": "publish",
+    "release": "entities.release",
+    "reset": "reset",
+    "restore": "restore",
+    "send_goal": "graph.send_goal",
+    "set_entity_state": "entities.set_state",
+    "set_joint_positions": "entities.set_joint_positions",
+    "set_time_step": "clock.set_time_step",
+    "set_values": "entities.set_values",
+    "silence": "graph.silence",
+    "spawn": "entities.spawn",
+}  # name in a recording → where `Twin` has the method
 _NOT_KEPT = ("self", "on_result", "plan")  # arguments that do not decide what a call does to the state
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
@@ -54,7 +55,7 @@ class Call:
 
     Attributes:
         time: The simulation time (s).
-        name: The method of `Twin`, or ``controller_manager`` or ``cancel`` for methods of these.
+        name: The method, one of `CALLS`, or ``controller_manager`` for a method of a robot's.
         arguments: The positional arguments.
         named: The keyword arguments.
         is_refused: Whether the twin refused the call.
@@ -70,7 +71,7 @@ class Call:
     is_refused: bool = False
 
     def __post_init__(self) -> None:
-        known = self.name in (CONTROLLER_MANAGER, _CANCEL) or self.name in _METHODS
+        known = self.name == CONTROLLER_MANAGER or self.name in CALLS
         given = isinstance(self.arguments, tuple) and isinstance(self.named, Mapping)
         if not known or not given or not all(isinstance(name, str) for name in self.named) or not _is_time(self.time):
             raise InputError(f"{shortened(self.name)} at {shortened(self.time)} s is not a call that can be recorded")
@@ -119,14 +120,15 @@ class Recorder:
 
     Args:
         time: Returns the present simulation time (s).
+        snapshot: Returns the present moment.
 
     Attributes:
         start: The moment at which the recording has begun; None without one.
         listeners: Called with the name and the arguments of each call that was not refused.
     """
 
-    def __init__(self, time: Callable[[], float]):
-        self._time = time
+    def __init__(self, time: Callable[[], float], snapshot: Callable[[], Snapshot]):
+        self._time, self._snapshot = time, snapshot
         self.start: Snapshot | None = None
         self.listeners: list[Callable[[str, tuple[Any, ...]], None]] = []
         self._calls: list[Call] = []
@@ -136,9 +138,13 @@ class Recorder:
         """Whether a recording has begun."""
         return self.start is not None
 
-    def begin(self, start: Snapshot) -> None:
-        """Begin a new recording at a moment."""
-        self.start = start
+    def begin(self) -> None:
+        """Start a recording at this moment; `recording` returns what has been recorded.
+
+        Raises:
+            InputError: If called inside a callback.
+        """
+        self.start = self._snapshot()
         self._calls = []
 
     def note(self, name: str, *arguments: Any) -> None:
@@ -172,53 +178,54 @@ class Recorder:
             self._calls[index] = replace(self._calls[index], is_refused=True)
 
     def recording(self) -> Recording:
-        """Return the recording so far.
+        """Return what has been done since `begin`: it can be saved, and replayed to the same state.
 
         Raises:
             InputError: If none has begun.
         """
         if self.start is None:
-            raise InputError("nothing has been recorded: call record() first")
+            raise InputError("nothing has been recorded: call recorder.begin() first")
         return Recording(self.start, tuple(self._calls), self._time())
 
 
-class Recordable(Protocol):
-    """What has recorded methods, which is `Twin`.
+def recorded(name: str, *, outside_callbacks: str | None = None) -> Callable[[_Method], _Method]:
+    """Decorate a method of a twin or its groups so that its calls are recorded, without their callbacks.
 
-    Attributes:
-        recorder: Keeps its calls.
+    Args:
+        name: Its name in `CALLS`.
+        outside_callbacks: What it does, in one word, if callbacks cannot do that; a refused call is not recorded.
     """
+    assert name in CALLS
+    return functools.partial(_recorded, name, outside_callbacks)
 
-    recorder: Recorder
 
-
-def recorded(method: _Method) -> _Method:
-    """Decorate a method of `Twin` so that its calls are recorded, without their callbacks."""
-    assert method.__name__ in _METHODS
+def _recorded(name: str, outside_callbacks: str | None, method: _Method) -> _Method:
     signature = inspect.signature(method)
 
     @functools.wraps(method)
-    def call(twin: Recordable, *arguments: Any, **named: Any) -> Any:
-        recorder = twin.recorder
+    def call(twin: Any, *arguments: Any, **named: Any) -> Any:
+        if outside_callbacks is not None:
+            twin._stepper.refuse_inside_callback(outside_callbacks)
+        recorder: Recorder = twin._recorder
         if recorder.start is None and not recorder.listeners:
             return method(twin, *arguments, **named)
         given = signature.bind(twin, *arguments, **named)
         if recorder.start is None:
             result = method(twin, *arguments, **named)
-            told = tuple(value for name, value in given.arguments.items() if name not in _NOT_KEPT)
-            recorder.tell(method.__name__, told)
+            told = tuple(value for key, value in given.arguments.items() if key not in _NOT_KEPT)
+            recorder.tell(name, told)
             return result
-        for name, value in given.arguments.items():
-            if name not in _NOT_KEPT:
-                given.arguments[name] = _settled(value)
-        noted = {name: value for name, value in given.arguments.items() if name not in _NOT_KEPT}
-        index = recorder.keep(method.__name__, **noted)
+        for key, value in given.arguments.items():
+            if key not in _NOT_KEPT:
+                given.arguments[key] = _settled(value)
+        noted = {key: value for key, value in given.arguments.items() if key not in _NOT_KEPT}
+        index = recorder.keep(name, **noted)
         try:
             result = method(*given.args, **given.kwargs)
         except TwinError:
             recorder.refuse(index)
             raise
-        recorder.tell(method.__name__, tuple(noted.values()))
+        recorder.tell(name, tuple(noted.values()))
         return result
 
     return call  # type: ignore[return-value]

@@ -1,10 +1,11 @@
 """A recorded run, repeated."""
 
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError, TwinError
 from drake_twin.scenario.scenario_file import ScenarioFile
-from drake_twin.twin.recording import CONTROLLER_MANAGER, SERVICES, Call, Recording
+from drake_twin.twin.recording import CALLS, CONTROLLER_MANAGER, SERVICES, Call, Recording
 from drake_twin.twin.twin import Twin
 
 if TYPE_CHECKING:
@@ -46,9 +47,9 @@ def _do(twin: Twin, call: Call) -> None:
             robot, method, *arguments = call.arguments
             if method not in SERVICES:
                 raise InputError(f"unknown service {method!r}")
-            getattr(twin.controller_manager(robot), method)(*arguments)
+            getattr(twin.control.manager(robot), method)(*arguments)
         else:
-            getattr(twin, call.name)(*call.arguments, **call.named)
+            attrgetter(CALLS[call.name])(twin)(*call.arguments, **call.named)
     except (TwinError, TypeError, ValueError) as error:
         if not call.is_refused:
             raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be repeated: {error}") from None

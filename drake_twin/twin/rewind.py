@@ -224,9 +224,9 @@ class Rewind:
 
 def _touching(twin: Twin) -> set[str]:
     """Return which robots and moving models of the world touch each other."""
-    names = {shape.body: shape.model for shape in twin.collision_shapes if shape.model}
+    names = {shape.body: shape.model for shape in twin.built.shapes if shape.model}
     try:
-        results = twin.evaluate(twin.plant.get_contact_results_output_port())
+        results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
     except RunError:  # the next step fails, which says why
         return set()
     inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()

@@ -15,7 +15,15 @@ from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, set_gains
-from drake_twin.diagram.servo_modes import (
+from drake_twin.diagram.topics import CommandTopic
+from drake_twin.errors import CommandError, InputError, TwinError, described
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.systems.joint_servo import ServoAssignment
+from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.physics import Physics
+from drake_twin.twin.plain_data import from_plain, to_plain
+from drake_twin.twin.servo_modes import (
     CHECK_PERIOD,
     JointMotion,
     check_period,
@@ -25,14 +33,6 @@ from drake_twin.diagram.servo_modes import (
     slipping_range,
     without_commands,
 )
-from drake_twin.diagram.topics import CommandTopic
-from drake_twin.errors import CommandError, InputError, TwinError, described
-from drake_twin.findings import Finding, Kind
-from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.joint_servo import ServoAssignment
-from drake_twin.twin.controller_manager import ControllerManager
-from drake_twin.twin.physics import Physics
-from drake_twin.twin.plain_data import from_plain, to_plain
 
 _log = logging.getLogger(__name__)
 
@@ -303,7 +303,7 @@ class RobotControl:
             return
         driving = {name: item for name, item in self.controllers.items() if item.claims}
         active = () if self.stopped else self.manager.active
-        hold_joints = self._plan.hold_joints or self.stopped
+        hold_joints = self._plan.joints.are_held or self.stopped
         assignment = assign(self._parts.joints, driving, active, holds, modes, hold_joints=hold_joints)
         servo.assign(self._servo_context, assignment)
         self._apply_gains()

@@ -203,7 +203,9 @@ class Session:
             InputError: If the snapshot cannot be used.
         """
         before = self.clock.time
-        scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
+        scenario, text = self._text
+        if scenario is None or text != snapshot.scenario:
+            scenario = ScenarioFile(snapshot.scenario, "snapshot").as_written
         if snapshot.time_step != scenario.time_step:
             raise InputError(f"the saved state has steps of {snapshot.time_step} s, and its scenario others")
         self.goals.drop_all()
@@ -257,13 +259,13 @@ class Session:
         """Switch to the diagram of another scenario, and transfer all state that has a place in it.
 
         Args:
-            scenario: The scenario.
+            scenario: The scenario, whose files have been found.
             plans: Plans of its robots that were made before, beside those of the present ones.
 
         Raises:
             InputError: If the scenario cannot be built; nothing is changed then.
         """
-        old, scenario = self.physics, with_files_found(scenario)
+        old = self.physics
         physics = Physics(scenario, self._meshcat, old.built, plans, self._extensions)
         state, before, known = self.state(), self.scenario.commands, dict(self.controls)
         self.scenario = self._given = scenario

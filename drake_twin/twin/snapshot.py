@@ -1,7 +1,8 @@
 """A twin at one moment as plain data, to keep in memory or in a file, and to restore."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from drake_twin.messages import shortened
 from drake_twin.saved import saved
 from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.version_1 import converted_state
+from drake_twin.typed_data import field_types, misfit
 from drake_twin.values import is_number
 
 _KIND, _VERSION = "saved state", 2
@@ -46,45 +48,37 @@ class Snapshot:
     scenario: str
     time_step: float
     step: int
-    robots: dict[str, Any]
+    robots: dict[str, dict[str, Any]]
     models: dict[str, Any]
     parameters: dict[str, list[Any]]
     commands: dict[str, Any]
     expiries: dict[str, float]
-    waiting: list[list[Any]]
+    waiting: list[tuple[str, Any]]
     wrenches: Any
     schedule: list[int]
     silenced: list[str]
     next_time_step: float | None
     systems: dict[str, Any] = field(default_factory=dict)
     pushes: list[Any] = field(default_factory=list)
-    delayed: list[list[Any]] = field(default_factory=list)
+    delayed: list[tuple[float, str, Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        kinds = {
-            "robots": isinstance(self.robots, Mapping) and all(isinstance(r, Mapping) for r in self.robots.values()),
-            "scenario": isinstance(self.scenario, str),
-            "time_step": is_number(self.time_step),
-            "step": type(self.step) is int and self.step >= 0,
-            "models": isinstance(self.models, Mapping),
-            "parameters": isinstance(self.parameters, Mapping)
-            and all(isinstance(values, list) for values in self.parameters.values()),
-            "commands": isinstance(self.commands, Mapping),
-            "systems": isinstance(self.systems, Mapping),
-            "pushes": isinstance(self.pushes, list),
-            "delayed": isinstance(self.delayed, list)
-            and all(isinstance(item, list) and len(item) == 3 and is_number(item[0]) for item in self.delayed),
-            "expiries": isinstance(self.expiries, Mapping) and all(map(is_number, self.expiries.values())),
-            "waiting": isinstance(self.waiting, list)
-            and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
-            "schedule": isinstance(self.schedule, list)
-            and all(isinstance(count, int) and count >= 0 for count in self.schedule),
-            "silenced": isinstance(self.silenced, list) and all(isinstance(topic, str) for topic in self.silenced),
-            "next_time_step": self.next_time_step is None or is_number(self.next_time_step),
+        for name, kind in field_types(Snapshot).items():
+            if misfit(kind, getattr(self, name), (tuple, list)) is not None:
+                self._refuse(name)
+        numbers: dict[str, Iterable[float]] = {
+            "time_step": [self.time_step],
+            "next_time_step": [] if self.next_time_step is None else [self.next_time_step],
+            "expiries": self.expiries.values(),
+            "delayed": [time for time, *_ in self.delayed],
         }
-        for name, is_right in kinds.items():
-            if not is_right:
-                raise InputError(f"{shortened(getattr(self, name))} is not a valid {name} of a saved state")
+        counts: dict[str, Iterable[float]] = {"step": [self.step], "schedule": self.schedule}
+        for name, values in (numbers | counts).items():
+            if not all(is_number(value, 0.0 if name in counts else -inf) for value in values):
+                self._refuse(name)
+
+    def _refuse(self, name: str) -> None:
+        raise InputError(f"{shortened(getattr(self, name))} is not a valid {name} of a saved state")
 
     def state(self) -> dict[str, Any]:
         """Return all entries except the scenario, by name."""

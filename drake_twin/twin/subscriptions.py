@@ -6,7 +6,7 @@ from math import ceil, floor, inf
 from operator import attrgetter
 from typing import Any
 
-from drake_twin.systems.draft import Draft
+from drake_twin.messages.draft import Draft
 from drake_twin.twin.schedule import step_at
 
 _due = attrgetter("due")

@@ -5,7 +5,7 @@ from typing import Any
 
 from drake_twin.scenario import LONGEST_TIME, Push
 from drake_twin.twin.clock import Clock
-from drake_twin.twin.entities import Wrench
+from drake_twin.twin.entity_state import Wrench
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.pull import PERIOD, Pull, with_force

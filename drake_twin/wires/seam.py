@@ -17,8 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from drake_twin.errors import TwinError
+from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
-from drake_twin.systems.draft import Draft, LaterDraft
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEndpoint
@@ -123,7 +123,7 @@ class Seam:
 
     def _look(self) -> None:
         """Follow spawns and deletes, and who listens."""
-        endpoints = self._twin.endpoints
+        endpoints = self._twin.graph.endpoints
         loaded = None if self._actions is None else self._actions.loaded(self._twin)
         if endpoints is not self._endpoints or loaded != self._loaded:
             self._endpoints, self._loaded = endpoints, loaded
@@ -177,7 +177,7 @@ class Seam:
         """Subscribe to a topic with listeners, and to no other."""
         is_heard = topic.is_of_twin and any(sender.is_heard for sender in topic.senders)
         if is_heard and topic.end is None:
-            topic.end = self._twin.subscribe_drafts(topic.endpoint.name, partial(self._hand_over, topic))
+            topic.end = self._twin.graph.subscribe_drafts(topic.endpoint.name, partial(self._hand_over, topic))
         elif not is_heard and topic.end is not None:
             topic.end()
             topic.end = None

@@ -58,9 +58,9 @@ def test_one_parameters_file_serves_robots_of_any_name():
 
     file = share_folder("models") / "rover_description" / "config" / "rover_controllers.yaml"
     twin = TwinBuilder().robot("a", ROVER, xyz=(0, 0, 0.13), controllers=file).build()
-    (topic,) = twin.commanded
+    (topic,) = twin.built.commanded
     assert topic == "/a/forward_velocity_controller/commands"
-    assert next(iter(twin.command_limits(topic))).joint == "a_front_left_wheel_joint"
+    assert next(iter(twin.graph.command_limits(topic))).joint == "a_front_left_wheel_joint"
 
 
 @pytest.mark.parametrize("xyz", [(1, 2), "abc", (1, 2, "x"), 5])
@@ -148,5 +148,5 @@ def test_a_command_is_numbers_or_the_fields_of_any_message():
 def test_topics_are_remapped():
     commands = "/a/forward_velocity_controller/commands"
     twin = TwinBuilder().robot("a", ROVER, remappings={commands: "/a/wheels"}).build()
-    assert "/a/wheels" in twin.topics()
-    assert commands not in twin.topics()
+    assert "/a/wheels" in twin.graph.topics()
+    assert commands not in twin.graph.topics()

@@ -62,7 +62,7 @@ def test_the_inactive_controllers_change_nothing_of_the_motion(robot):
 
 def test_the_demos_rover_drives_by_cmd_vel_once_its_drive_is_switched_on():
     twin = Twin(demo_scenario("rover", 2, drive=False))
-    manager = twin.controller_manager("robot_1")
+    manager = twin.control.manager("robot_1")
     assert manager.states == {
         "joint_state_broadcaster": "active",
         FORWARD: "active",
@@ -76,16 +76,16 @@ def test_the_demos_rover_drives_by_cmd_vel_once_its_drive_is_switched_on():
             twist = {"linear": {"x": forward}, "angular": {"z": turn}}
             twin.publish("/robot_1/drive_controller/cmd_vel", {"twist": twist})
             twin.advance_to(twin.time + 0.1)
-        return twin.entity_state("robot_1")
+        return twin.entities.state("robot_1")
 
     assert drive(0.5, 0.0).position[0] == pytest.approx(1.0, abs=0.02)
     assert drive(0.0, 1.0).angular[2] == pytest.approx(1.0, abs=0.02)  # though the wheels skid
-    assert twin.entity_state("robot_2").position[0] == pytest.approx(0.0, abs=1e-3)
+    assert twin.entities.state("robot_2").position[0] == pytest.approx(0.0, abs=1e-3)
 
 
 def test_the_demos_arm_follows_trajectories_and_grips_once_these_are_switched_on():
     twin = Twin(demo_scenario("arduinobot", 1, drive=False))
-    manager = twin.controller_manager("robot_1")
+    manager = twin.control.manager("robot_1")
     own = ["joint_trajectory_controller", "gripper_controller"]
     assert manager.states == {"joint_state_broadcaster": "active", FORWARD: "active", **dict.fromkeys(own, "inactive")}
     assert manager.switch_controller(own, [FORWARD], STRICT)
@@ -96,7 +96,9 @@ def test_the_demos_arm_follows_trajectories_and_grips_once_these_are_switched_on
             "points": [{"positions": [0.5, 0.4, -0.6], "time_from_start": 1.0}],
         },
     )
-    goal = twin.send_goal("/robot_1/gripper_controller/gripper_cmd", {"command": {"position": 0.5, "max_effort": 5.0}})
+    goal = twin.graph.send_goal(
+        "/robot_1/gripper_controller/gripper_cmd", {"command": {"position": 0.5, "max_effort": 5.0}}
+    )
     twin.advance_to(1.5)
     assert goal.status == "succeeded"
     assert twin.robot_state("robot_1").positions[:4] == pytest.approx((0.5, 0.4, -0.6, 0.5), abs=0.01)

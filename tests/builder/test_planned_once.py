@@ -10,7 +10,7 @@ from drake_twin.description import robot_models
 from drake_twin.description.package_index import share_folder
 from drake_twin.description.xacro_file import installed_xacro
 from drake_twin.from_launch import launched_entities
-from drake_twin.planning import plans, robot_plan
+from drake_twin.planning import plan_robot, plans
 from drake_twin.twin.twin import Twin
 
 MAIN = share_folder("models") / "rover_gazebo" / "launch" / "main.launch.xml"
@@ -42,7 +42,7 @@ def counted(monkeypatch):
 
     count(launch_file, "plan_robot")
     count(plans, "plan_robot")
-    count(robot_plan, "plan_controllers")
+    count(plan_robot, "plan_controllers")
     count(robot_models, "load_robot_model")
     count(launched_entities, "bridge_lines")
     count(installed_xacro(), "process_file")
@@ -94,6 +94,6 @@ def test_each_distinct_command_is_expanded_once(counted, tmp_path):
 def test_robots_that_share_a_model_move_apart(tmp_path):
     twin = twin_of(fleet(tmp_path, [1, 1]))
     before = twin.robot_state("cart_1").base_pose
-    twin.set_entity_state("cart_0", position=(0.0, 0.0, 3.0))
+    twin.entities.set_state("cart_0", position=(0.0, 0.0, 3.0))
     assert tuple(twin.robot_state("cart_1").base_pose) == tuple(before)
     assert twin.robot_state("cart_0").base_pose[2] == 3.0

@@ -61,7 +61,7 @@ def test_a_robot_file_alone_keeps_its_own_default_of_robot_name(tmp_path):
     file.write_text(text.replace("</robot>", f'<link name="arm"/>{joint}'))
     scenario = robot_file_scenario(file, xacro_args={})
     assert scenario.robots[0].name == "r"
-    assert Twin(scenario).plans[0].description.links == ("lesson_base", "arm")
+    assert Twin(scenario).built.plans[0].description.links == ("lesson_base", "arm")
     assert robot_file_scenario(file, 2, xacro_args={"robot_name": "lesson_"}).robots[0].name == "robot_1"
     file.write_text(text.replace('default="lesson_"', 'default="$(arg other)"'))
     (robot,) = robot_file_scenario(file, xacro_args={"other": "x"}).robots

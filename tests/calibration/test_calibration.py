@@ -148,11 +148,11 @@ def test_values_that_act_alike_are_not_told_apart(tmp_path):
 def test_a_recording_is_a_log(tmp_path):
     scenario = pendulum(tmp_path, values=TRUTH, commands=(Command(TOPIC, (1.0,), time=0.1, period=0.7),))
     with Twin(scenario) as twin:
-        twin.record()
+        twin.recorder.begin()
         twin.advance_to(0.5)
         twin.publish(TOPIC, [-1.5])
         twin.advance_to(1.5)
-        recording = twin.recording()
+        recording = twin.recorder.recording()
     recording.save(tmp_path / "run.json")
     result = calibrate(pendulum(tmp_path), [tmp_path / "run.json"], FITTED, method="least-squares")
     assert result.values == pytest.approx(TRUTH, rel=1e-3)

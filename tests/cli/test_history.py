@@ -43,7 +43,7 @@ def test_the_run_is_the_same_to_the_last_bit():
 def test_it_records_without_a_joint_state_broadcaster():
     twin = driving().build()
     recorder = recorded(twin)
-    twin.controller_manager("robot_1").switch_controller(deactivate=["joint_state_broadcaster"])
+    twin.control.manager("robot_1").switch_controller(deactivate=["joint_state_broadcaster"])
     twin.advance_to(0.2)
     assert len(recorder.history().robots["robot_1"].times) == 10
 

@@ -12,7 +12,7 @@ from drake_twin.messages.text import message_text
 @pytest.fixture(scope="module")
 def twin():
     twin = rovers(2).build()
-    twin.controller_manager("robot_2").switch_controller([], ["forward_velocity_controller"])
+    twin.control.manager("robot_2").switch_controller([], ["forward_velocity_controller"])
     twin.advance_to(0.05)
     return twin
 
@@ -22,7 +22,7 @@ def test_topics_are_listed_as_ros2_topic_list_does(twin):
     assert lines == sorted(lines)
     assert "/clock [rosgraph_msgs/msg/Clock]" in lines
     assert "/robot_1/forward_velocity_controller/commands [std_msgs/msg/Float64MultiArray]" in lines
-    assert len(lines) == len(twin.topics())
+    assert len(lines) == len(twin.graph.topics())
 
 
 def test_controllers_are_listed_for_each_manager(twin):
@@ -56,8 +56,8 @@ def test_a_message_is_printed_as_ros2_topic_echo_does():
 
 
 def test_every_topic_of_a_twin_can_be_printed(twin):
-    for topic in twin.topics():
-        if topic not in twin.commanded:
+    for topic in twin.graph.topics():
+        if topic not in twin.built.commanded:
             text = message_text(twin.latest(topic))
             assert text.endswith("\n---")
             assert yaml.safe_load(text.removesuffix("---")) is not None

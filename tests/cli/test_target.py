@@ -159,7 +159,7 @@ def test_what_is_typed_goes_before_what_the_launch_file_publishes(tmp_path):
 )
 def test_what_a_launch_file_publishes_in_vain_is_left_out(tmp_path, topic, data, reason):
     twin = build_twin(target(publishing(tmp_path, topic, data)))
-    (left_out,) = twin.not_started
+    (left_out,) = twin.findings.not_started
     assert left_out.startswith(f"ros2 topic pub {topic} (")
     assert reason in left_out
     assert twin.scenario.commands == ()

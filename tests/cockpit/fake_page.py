@@ -60,7 +60,7 @@ class FakePage:
             self.cockpit.process_requests()
             return not until() and count < most
 
-        self.twin.run(each_frame=each_frame, as_fast_as_possible=not self.twin.paused)
+        self.twin.run(each_frame=each_frame, as_fast_as_possible=not self.twin.clock.paused)
         assert until(), f"not within {most} frames"
 
     @property

@@ -31,16 +31,16 @@ def page(scene):
 
 def test_pause_and_play(page):
     page.ask(protocol.Pause())
-    assert page.twin.paused
+    assert page.twin.clock.paused
     assert page.state["paused"] is True
     page.ask(protocol.Play())
-    assert not page.twin.paused
+    assert not page.twin.clock.paused
 
 
 def test_steps_are_made_at_once_and_the_twin_stays_paused(page):
     page.ask(protocol.Step(7))
-    assert page.twin.step_count == 7
-    assert page.twin.paused
+    assert page.twin.clock.step_count == 7
+    assert page.twin.clock.paused
     assert page.state["steps"] == 7
 
 
@@ -52,7 +52,7 @@ def test_what_a_callback_may_do_is_done_within_the_advance_that_it_meets(page):
     def each_step(message):
         if page.twin.time == pytest.approx(asked):
             page.server.ask(protocol.EmergencyStop("robot_1"))
-        if page.twin.is_stopped("robot_1"):
+        if page.twin.control.is_stopped("robot_1"):
             stopped.append(page.twin.time)
 
     page.twin.subscribe("/clock", each_step, 1000)
@@ -69,14 +69,14 @@ def test_what_a_callback_may_not_do_waits_for_the_frame_and_what_follows_it_too(
             page.server.ask(protocol.Reset())
             page.server.ask(protocol.EmergencyStop("robot_1"))
             page.twin.inbox.look()
-            done.append((page.twin.is_stopped("robot_1"), [text for _, text in page.cockpit._log.as_plain()]))
+            done.append((page.twin.control.is_stopped("robot_1"), [text for _, text in page.cockpit._log.as_plain()]))
             return True
         page.cockpit.process_requests()
         return False
 
     page.twin.run(each_frame=each_frame, as_fast_as_possible=True)
     assert not done[0][0]
-    assert page.twin.is_stopped("robot_1")
+    assert page.twin.control.is_stopped("robot_1")
     assert not any("refused" in text for level, text in page.messages)
 
 
@@ -95,22 +95,22 @@ def test_nobody_looks_into_the_inbox_for_a_page_without_browsers(page):
 @pytest.mark.parametrize("time", [0.25, 0.1234, 1.0])
 def test_run_to_pauses_at_that_step_and_no_other(page, time):
     page.ask(protocol.Step(3), protocol.RunTo(time))
-    page.frames(until=lambda: page.twin.paused)
-    assert page.twin.step_count == round(time / 0.001 + 0.4999)
+    page.frames(until=lambda: page.twin.clock.paused)
+    assert page.twin.clock.step_count == round(time / 0.001 + 0.4999)
     page.ask(protocol.Play())
     page.frames(until=lambda: page.twin.time > 2.5 * time)  # it holds once
 
 
 def test_the_last_run_to_counts(page):
     page.ask(protocol.RunTo(0.1), protocol.RunTo(0.3))
-    page.frames(until=lambda: page.twin.paused)
+    page.frames(until=lambda: page.twin.clock.paused)
     assert page.twin.time == pytest.approx(0.3)
 
 
 def test_running_to_the_past_is_refused_in_words(page):
     page.twin.advance_to(0.2)
     page.ask(protocol.RunTo(0.1))
-    assert not page.twin.paused
+    assert not page.twin.clock.paused
     assert any("lies in the past" in text for level, text in page.messages if level == "error")
 
 
@@ -124,9 +124,9 @@ def test_reset_begins_anew(page):
 
 def test_the_speed_is_set_and_a_speed_that_is_none_is_refused(page):
     page.ask(protocol.SetRate(0.5))
-    assert page.twin.real_time_rate == 0.5
+    assert page.twin.clock.real_time_rate == 0.5
     page.ask(protocol.SetRate(0.0))
-    assert page.twin.real_time_rate == 0.5
+    assert page.twin.clock.real_time_rate == 0.5
     assert page.state
     assert any("above zero" in text for level, text in page.messages if level == "error")
 
@@ -137,8 +137,8 @@ def test_the_speed_is_set_and_a_speed_that_is_none_is_refused(page):
 def test_a_slider_drives_that_wheel_and_no_other_robot(page):
     page.ask(protocol.MoveJoint(WHEELS_1, 2, 3.0))
     page.twin.advance_to(0.01)
-    assert page.twin.command(WHEELS_1).data.tolist() == [0, 0, 3, 0]
-    assert page.twin.command(WHEELS_1.replace("1", "2")) is None
+    assert page.twin.graph.command(WHEELS_1).data.tolist() == [0, 0, 3, 0]
+    assert page.twin.graph.command(WHEELS_1.replace("1", "2")) is None
     assert page.state["commands"][WHEELS_1] == [0, 0, 3, 0]
 
 
@@ -147,7 +147,7 @@ def test_a_slider_moved_while_paused_acts_when_time_goes_on(page):
     assert page.state["commands"][WHEELS_1] == [1, 0, 3, 0]
     page.twin.play()
     page.twin.advance_to(0.01)
-    assert page.twin.command(WHEELS_1).data.tolist() == [1, 0, 3, 0]
+    assert page.twin.graph.command(WHEELS_1).data.tolist() == [1, 0, 3, 0]
 
 
 def test_sliders_show_commands_that_came_from_elsewhere(page):
@@ -161,14 +161,14 @@ def test_whoever_moves_a_slider_takes_over_from_the_scenario(scene):
     page.twin.advance_to(0.05)
     page.ask(protocol.MoveJoint(WHEELS_1, 2, 3.0))
     page.twin.advance_to(0.5)
-    assert page.twin.command(WHEELS_1).data.tolist() == [1, 1, 3, 1]
+    assert page.twin.graph.command(WHEELS_1).data.tolist() == [1, 1, 3, 1]
 
 
 @pytest.mark.parametrize("request_", [protocol.MoveJoint("/x", 0, 1.0), protocol.MoveJoint(WHEELS_1, 4, 1.0)])
 def test_a_slider_that_is_not_there_changes_nothing(page, request_):
     page.ask(request_)
     page.twin.step()
-    assert page.twin.command(WHEELS_1) is None
+    assert page.twin.graph.command(WHEELS_1) is None
     assert page.state
     assert page.messages[-1][0] == "error"
 
@@ -177,7 +177,7 @@ def test_sliders_have_the_interfaces_unit_and_limits(page):
     assert page.state
     (group,) = page.robots["robot_1"]["groups"]
     assert {slider["unit"] for slider in group["sliders"]} == {"rad/s"}
-    limit = page.twin.command_limits(WHEELS_1)
+    limit = page.twin.graph.command_limits(WHEELS_1)
     for slider, (lower, upper) in zip(group["sliders"], limit.values(), strict=True):
         assert (slider["lower"], slider["upper"]) == (max(lower, -20), min(upper, 20))
 
@@ -185,9 +185,9 @@ def test_sliders_have_the_interfaces_unit_and_limits(page):
 def test_a_controller_is_switched_off_and_on(page):
     page.ask(protocol.Switch("robot_1", "forward_velocity_controller", False))
     assert page.state["robots"]["robot_1"]["controllers"]["forward_velocity_controller"] == "inactive"
-    assert "forward_velocity_controller" in page.twin.controller_manager("robot_2").active
+    assert "forward_velocity_controller" in page.twin.control.manager("robot_2").active
     page.ask(protocol.Switch("robot_1", "forward_velocity_controller", True))
-    assert "forward_velocity_controller" in page.twin.controller_manager("robot_1").active
+    assert "forward_velocity_controller" in page.twin.control.manager("robot_1").active
 
 
 def test_a_switch_that_the_manager_refuses_is_said(page):
@@ -199,13 +199,13 @@ def test_a_switch_that_the_manager_refuses_is_said(page):
 def test_an_emergency_stop_refuses_commands_until_it_is_cleared(page):
     page.ask(protocol.EmergencyStop("robot_1"), protocol.MoveJoint(WHEELS_1, 0, 3.0))
     page.twin.advance_to(0.05)
-    assert page.twin.command(WHEELS_1) is None
+    assert page.twin.graph.command(WHEELS_1) is None
     assert page.state["robots"]["robot_1"]["stopped"] is True
     assert page.state["robots"]["robot_2"]["stopped"] is False
     assert any("emergency stop" in text for _, text in page.messages)
     page.ask(protocol.ClearEmergencyStop("robot_1"), protocol.MoveJoint(WHEELS_1, 0, 3.0))
     page.twin.advance_to(0.1)
-    assert page.twin.command(WHEELS_1).data[0] == 3.0
+    assert page.twin.graph.command(WHEELS_1).data[0] == 3.0
 
 
 def test_an_arm_that_follows_trajectories_goes_where_its_slider_is(scene, tmp_path):
@@ -244,7 +244,7 @@ def test_a_base_stops_when_the_browser_falls_silent(driven):
     sent = []
     for _ in range(30):
         driven.cockpit.process_requests()
-        sent.append(driven.twin.command(CMD_VEL).linear_x)
+        sent.append(driven.twin.graph.command(CMD_VEL).linear_x)
         driven.twin.step(20)
     assert sent[0] == 0.5
     assert sent[-1] == 0.0
@@ -253,16 +253,16 @@ def test_a_base_stops_when_the_browser_falls_silent(driven):
 def test_a_base_stops_when_its_drivers_browser_is_closed_and_not_when_another_one_is(driven):
     driven.ask(protocol.Drive(CMD_VEL, 0.5, 0.0, 0.0), client=1)
     driven.ask(protocol.Gone(), client=2)
-    assert driven.twin.command(CMD_VEL).linear_x == 0.5
+    assert driven.twin.graph.command(CMD_VEL).linear_x == 0.5
     driven.ask(protocol.Gone(), client=1)
-    assert driven.twin.command(CMD_VEL).linear_x == 0.0
+    assert driven.twin.graph.command(CMD_VEL).linear_x == 0.0
 
 
 def test_driving_while_paused_does_not_pile_up(driven):
     driven.twin.pause()
     for _ in range(50):
         driven.ask(protocol.Drive(CMD_VEL, 0.5, 0.0, 0.0))
-    assert driven.twin.command(CMD_VEL) is None
+    assert driven.twin.graph.command(CMD_VEL) is None
 
 
 def test_only_drives_can_be_driven(driven):
@@ -330,9 +330,9 @@ def test_what_the_page_asks_and_looks_at_does_not_change_the_run(scene):
     page = FakePage(rovers(2).build(), scene)
     page.ask(*[protocol.Show(what, True) for what in ("frames", "contacts", "collision", "inertia")])
     page.ask(protocol.RunTo(0.2))
-    page.frames(until=lambda: page.twin.paused)
+    page.frames(until=lambda: page.twin.clock.paused)
     page.ask(protocol.MoveJoint(WHEELS_1, 2, 3.0), protocol.RunTo(0.5))
-    page.frames(until=lambda: page.twin.paused)
+    page.frames(until=lambda: page.twin.clock.paused)
     assert page.twin.state_sha256() == plain.state_sha256()
     page.cockpit.close()
 
@@ -347,7 +347,7 @@ def test_joints_of_a_robot_that_is_only_displayed_go_where_their_sliders_are(sce
     page.ask(protocol.PoseJoint("arm", "joint_4", 0.3), protocol.Play(), protocol.Step(3))
     assert twin.robot_state("arm").positions[-2:] == pytest.approx((0.3, -0.3))  # and the one that follows it
     assert twin.time == 0
-    assert twin.paused
+    assert twin.clock.paused
     assert page.state["robots"]["arm"]["positions"][-1] == pytest.approx(-0.3)
     follows = {joint["joint"]: joint["follows"] for joint in page.robots["arm"]["joints"]}
     assert [name for name, follower in follows.items() if not follower] == ["joint_1", "joint_2", "joint_3", "joint_4"]
@@ -369,7 +369,7 @@ def test_a_joint_that_cannot_be_posed(scene, request_):
 def test_a_spawned_robot_has_controls_and_a_deleted_one_has_none(page):
     assert list(page.state["robots"]) == ["robot_1", "robot_2"]
     page.ask(protocol.Show("collision", True))
-    page.twin.spawn(Robot("robot_3", ROVER, xyz=(3.0, 0.0, 0.13)))
+    page.twin.entities.spawn(Robot("robot_3", ROVER, xyz=(3.0, 0.0, 0.13)))
     assert "robot_3" in page.state["robots"]
     assert page.robots["robot_3"]["groups"]
     page.ask(protocol.MoveJoint(WHEELS_1.replace("1", "3"), 0, 2.0), protocol.Follow("robot_3"))

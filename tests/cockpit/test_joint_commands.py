@@ -46,14 +46,14 @@ def test_a_position_that_nobody_commands_is_shown_where_the_joint_is(tmp_path):
     twin = TwinBuilder().robot("r", file).build()
     commands = JointCommands(twin)
     (topic,) = commands.groups
-    twin.set_joint_positions("r", {"j": 0.75})
+    twin.entities.set_joint_positions("r", {"j": 0.75})
     assert commands.values(topic).tolist() == [0.75]
     commands.move(topic, 0, 5.0)  # beyond the limit
     assert commands.values(topic).tolist() == [2.0]
 
 
 def test_a_joint_slider_has_the_joints_range():
-    joints = TwinBuilder().robot("arm", ARM).build().plans[0].description.joints_by_name
+    joints = TwinBuilder().robot("arm", ARM).build().built.plans[0].description.joints_by_name
     made = joint_slider(joints["joint_1"])
     assert (made.lower, made.upper) == (joints["joint_1"].limits.lower, joints["joint_1"].limits.upper)
 

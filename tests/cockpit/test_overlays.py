@@ -113,7 +113,7 @@ def test_an_arms_frames_follow_its_joints():
     frames = overlay_kinds()["frames"].type(drawn, twin)
     frames.draw()
     before = {path: pose.translation().copy() for path, pose in drawn.transforms.items()}
-    twin.set_joint_positions("arm", {"joint_1": 0.5})
+    twin.entities.set_joint_positions("arm", {"joint_1": 0.5})
     frames.draw()
     moved = [path for path, pose in drawn.transforms.items() if np.abs(pose.translation() - before[path]).max() > 0.01]
     assert moved

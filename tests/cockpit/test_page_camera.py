@@ -81,7 +81,7 @@ def test_presets_look_from_where_they_say_and_fit_shows_the_selection(show, tmp_
     it.frames(lambda: tools(tab, "selected.length") == 1)
     tab.get_by_role("button", name="Fit the selection").click()
     _, _, _, tx, ty, tz = tools(tab, "cameraPlace()")
-    assert (tx, -tz, ty) == pytest.approx(it.twin.entity_state("crate").position, abs=0.01)
+    assert (tx, -tz, ty) == pytest.approx(it.twin.entities.state("crate").position, abs=0.01)
     distance = 0.2 * 3**0.5 / np.sin(np.deg2rad(75 / 2))  # Meshcat's field of view is 75°
     assert view()[1] == pytest.approx(distance, rel=0.02)
     assert view()[0] == pytest.approx((0, 0, 1), abs=0.05)  # as before
@@ -104,9 +104,9 @@ def test_names_stand_above_robots_and_follow_them(page):
         }""")
 
     assert middle() == pytest.approx(place_of(tab, (0, 0, 0.4))[0], abs=12)
-    it.twin.place("robot_1", (0, -0.7, 0.13))
+    it.twin.entities.place("robot_1", (0, -0.7, 0.13))
     it.frames(lambda: abs(middle() - place_of(tab, (0, -0.7, 0.4))[0]) < 12)
-    it.twin.delete("robot_2")
+    it.twin.entities.delete("robot_2")
     it.frames(lambda: names.count() == 1)
     tab.get_by_label("Names above robots").click(force=True)
     it.frames(lambda: names.count() == 0)

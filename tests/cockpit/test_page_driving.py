@@ -15,14 +15,14 @@ def driven(show, tmp_path):
 
 
 def forward_speed(it):
-    return it.twin.command(CMD_VEL) and it.twin.command(CMD_VEL).linear_x
+    return it.twin.graph.command(CMD_VEL) and it.twin.graph.command(CMD_VEL).linear_x
 
 
 def test_keys_drive_the_chosen_robot_and_letting_go_stops_it(driven):
     it, tab = driven
     tab.keyboard.down("w")
     it.for_frames(10)
-    assert it.twin.command(CMD_VEL) is None  # no robot is chosen
+    assert it.twin.graph.command(CMD_VEL) is None  # no robot is chosen
     tab.keyboard.up("w")
     folder(tab).get_by_role("button", name="Keys and gamepad").click()
     tab.keyboard.down("w")
@@ -33,9 +33,9 @@ def test_keys_drive_the_chosen_robot_and_letting_go_stops_it(driven):
     it.frames(lambda: not forward_speed(it))
     tab.locator("#scene").click()
     tab.keyboard.down("ArrowLeft")
-    it.frames(lambda: it.twin.command(CMD_VEL) is not None and it.twin.command(CMD_VEL).angular_z == 1.0)
+    it.frames(lambda: it.twin.graph.command(CMD_VEL) is not None and it.twin.graph.command(CMD_VEL).angular_z == 1.0)
     tab.keyboard.up("ArrowLeft")
-    it.frames(lambda: it.twin.command(CMD_VEL) is None or it.twin.command(CMD_VEL).angular_z == 0.0)
+    it.frames(lambda: it.twin.graph.command(CMD_VEL) is None or it.twin.graph.command(CMD_VEL).angular_z == 0.0)
     tab.keyboard.press("Escape")
     tab.keyboard.down("w")
     it.for_frames(10)
@@ -62,7 +62,7 @@ def test_a_gamepad_drives(driven):
     )
     folder(tab).get_by_role("button", name="Keys and gamepad").click()
     tab.evaluate("window.axes = [0, -1, 0.5, 0]")
-    it.frames(lambda: forward_speed(it) == 0.5 and it.twin.command(CMD_VEL).angular_z == -0.5)
+    it.frames(lambda: forward_speed(it) == 0.5 and it.twin.graph.command(CMD_VEL).angular_z == -0.5)
     tab.evaluate("window.axes = [0, 0.05, 0, 0]")
     it.frames(lambda: not forward_speed(it))
 

@@ -38,30 +38,30 @@ def drag(it, tab, start, end):
 
 def test_an_arrow_moves_along_its_axis_only_and_undo_returns(crates):
     it, tab = crates
-    x, y, z = at = it.twin.entity_state("crate").position  # it may have settled by some micrometers
+    x, y, z = at = it.twin.entities.state("crate").position  # it may have settled by some micrometers
     size = tools(tab, "handles.group.scale.x")
     camera = tools(tab, "cameraPlace()")
     drag(it, tab, (x, y + 0.7 * size, z), (x, y + 0.7 * size + 0.4, z))
-    it.frames(lambda: it.twin.entity_state("crate").position[1] > y + 0.2)
-    assert it.twin.entity_state("crate").position == pytest.approx((x, y + 0.4, z), abs=0.02)
-    assert it.twin.entity_state("crate").orientation == pytest.approx((1, 0, 0, 0), abs=1e-9)
+    it.frames(lambda: it.twin.entities.state("crate").position[1] > y + 0.2)
+    assert it.twin.entities.state("crate").position == pytest.approx((x, y + 0.4, z), abs=0.02)
+    assert it.twin.entities.state("crate").orientation == pytest.approx((1, 0, 0, 0), abs=1e-9)
     assert tools(tab, "cameraPlace()") == pytest.approx(camera)  # the camera was not turned
     it.frames(lambda: tab.get_by_role("button", name="Undo the last edit").is_visible())
     tab.get_by_role("button", name="Undo the last edit").click()
-    it.frames(lambda: it.twin.entity_state("crate").position == pytest.approx(at, abs=1e-9))
+    it.frames(lambda: it.twin.entities.state("crate").position == pytest.approx(at, abs=1e-9))
 
 
 def test_a_ring_turns_about_its_axis(crates):
     it, tab = crates
-    x, y, z = at = it.twin.entity_state("crate").position  # it may have settled by some micrometers
+    x, y, z = at = it.twin.entities.state("crate").position  # it may have settled by some micrometers
     size = 0.8 * tools(tab, "handles.group.scale.x")
     half = size * 2**-0.5
     drag(it, tab, (x + half, y - half, z), (x + half, y + half, z))
-    it.frames(lambda: it.twin.entity_state("crate").orientation[3] > 0.2)
-    w, qx, qy, qz = it.twin.entity_state("crate").orientation
+    it.frames(lambda: it.twin.entities.state("crate").orientation[3] > 0.2)
+    w, qx, qy, qz = it.twin.entities.state("crate").orientation
     assert (w, qz) == pytest.approx((2**-0.5, 2**-0.5), abs=0.05)
     assert (qx, qy) == pytest.approx((0, 0), abs=1e-9)
-    assert it.twin.entity_state("crate").position == pytest.approx(at, abs=1e-9)
+    assert it.twin.entities.state("crate").position == pytest.approx(at, abs=1e-9)
 
 
 def test_numbers_move_a_static_model_and_buttons_delete_and_duplicate(crates):
@@ -72,13 +72,13 @@ def test_numbers_move_a_static_model_and_buttons_delete_and_duplicate(crates):
     form.get_by_label("x", exact=True).fill("2.5")
     form.get_by_label("yaw").fill("0.5")
     form.get_by_role("button", name="Move there").click()
-    it.frames(lambda: it.twin.world_file.models[0].pose.xyz == (2.5, 2, 0.05))
-    assert it.twin.world_file.models[0].pose.rpy == (0, 0, 0.5)
+    it.frames(lambda: it.twin.built.world_file.models[0].pose.xyz == (2.5, 2, 0.05))
+    assert it.twin.built.world_file.models[0].pose.rpy == (0, 0, 0.5)
     it.frames(lambda: not tab.locator(".inspector").is_hidden())
     buttons = tab.locator(".edits .buttons")
     buttons.get_by_role("button", name="Duplicate").click()
     it.frames(lambda: item(tab, "model:ramp_2::ramp_2").count() == 1)
-    copy = next(model for model in it.twin.world_file.models if model.name == "ramp_2")
+    copy = next(model for model in it.twin.built.world_file.models if model.name == "ramp_2")
     assert copy.pose.xyz == (2.5, 3, 0.05)
     item(tab, "model:ramp_2::ramp_2").click()
     it.frames(lambda: form.get_by_label("y", exact=True).input_value() == "3")
@@ -88,7 +88,7 @@ def test_numbers_move_a_static_model_and_buttons_delete_and_duplicate(crates):
     it.frames(lambda: buttons.get_by_title("Delete ramp", exact=True).is_visible())
     buttons.get_by_role("button", name="Delete").click()
     it.frames(lambda: item(tab, "model:ramp::ramp").count() == 0)
-    assert [model.name for model in it.twin.world_file.models] == ["crate"]
+    assert [model.name for model in it.twin.built.world_file.models] == ["crate"]
     item(tab, "robot:rover::rover").click()
     it.frames(lambda: buttons.get_by_role("button", name="Duplicate").is_visible())
     buttons.get_by_role("button", name="Duplicate").click()
@@ -101,7 +101,7 @@ def test_a_crate_follows_the_mouse_and_the_recording_replays_to_the_same_hash(sh
     it.frames(lambda: tools(tab, "entityAt !== null"))
     look_at(tab, "rover", "crate")
     it.for_frames(3)
-    it.twin.record()
+    it.twin.recorder.begin()
     x, y, z = CRATE_AT
     camera = tools(tab, "cameraPlace()")
     tab.get_by_role("button", name="Drag", exact=True).click()
@@ -110,14 +110,14 @@ def test_a_crate_follows_the_mouse_and_the_recording_replays_to_the_same_hash(sh
     tab.mouse.down()
     across, up = place_of(tab, (x, y, z + 0.2))
     tab.mouse.move(across, up - 60, steps=5)
-    it.frames(lambda: it.twin.entity_state("crate").position[2] > z + 0.05)
+    it.frames(lambda: it.twin.entities.state("crate").position[2] > z + 0.05)
     tab.mouse.move(across - 150, up - 60, steps=10)
-    it.frames(lambda: place_of(tab, it.twin.entity_state("crate").position)[0] < across - 100)
+    it.frames(lambda: place_of(tab, it.twin.entities.state("crate").position)[0] < across - 100)
     tab.mouse.up()
     it.frames(lambda: it.twin.snapshot().wrenches["items"] == [])
-    it.frames(lambda: it.twin.entity_state("crate").position[2] < z + 0.02)
+    it.frames(lambda: it.twin.entities.state("crate").position[2] < z + 0.02)
     assert tools(tab, "cameraPlace()") == pytest.approx(camera)
-    recording = it.twin.recording()
+    recording = it.twin.recorder.recording()
     assert {call.name for call in recording.calls} == {"drag", "release"}
     assert replay(recording).state_sha256() == it.twin.state_sha256()
 
@@ -134,11 +134,11 @@ def test_control_drags_too_and_what_a_closed_tab_held_falls(show, tmp_path):
     tab.mouse.move(across, up)
     tab.mouse.down()
     tab.mouse.move(across, up - 80, steps=5)
-    it.frames(lambda: it.twin.entity_state("crate").position[2] > z + 0.05)
+    it.frames(lambda: it.twin.entities.state("crate").position[2] > z + 0.05)
     it.tabs.remove(tab)
     tab.close()
     it.frames(lambda: it.twin.snapshot().wrenches["items"] == [])
-    it.frames(lambda: it.twin.entity_state("crate").position[2] < z + 0.02)
+    it.frames(lambda: it.twin.entities.state("crate").position[2] < z + 0.02)
 
 
 def test_a_push_is_a_force_for_a_time(crates):
@@ -152,4 +152,4 @@ def test_a_push_is_a_force_for_a_time(crates):
     form.get_by_role("button", name="Push").click()
     it.frames(lambda: it.twin.snapshot().wrenches["items"] != [])
     it.twin.step(100)  # F t / m - g t, but for the first step, on the ground
-    assert it.twin.entity_state("crate").linear[2] == pytest.approx(10 / 2 - 9.81 * 0.1, abs=0.02)
+    assert it.twin.entities.state("crate").linear[2] == pytest.approx(10 / 2 - 9.81 * 0.1, abs=0.02)

@@ -37,8 +37,8 @@ CLIPPED = """body => {
 def test_a_stopped_robots_schedule_is_one_message(show):
     it, tab = show(demo_scenario("rover", 2))
     tab.locator("#stop-all").click()
-    it.frames(lambda: it.twin.is_stopped("robot_1") and it.twin.is_stopped("robot_2"))
-    it.twin.real_time_rate = 20.0
+    it.frames(lambda: it.twin.control.is_stopped("robot_1") and it.twin.control.is_stopped("robot_2"))
+    it.twin.clock.real_time_rate = 20.0
     it.frames(lambda: it.twin.time > 16.0, most=3000)  # the schedule commands every three to six seconds
     tab.locator("#messages-toggle").click()
     it.for_frames(5)
@@ -75,7 +75,7 @@ def test_no_number_is_cut_off(show, size):
     tab.set_viewport_size({"width": size[0], "height": size[1]})
     for summary in tab.locator("#panel summary").all():
         summary.evaluate("element => { element.parentElement.open = true; }")
-    it.twin.real_time_rate = 20.0
+    it.twin.clock.real_time_rate = 20.0
     it.frames(lambda: it.twin.time > 11.0, most=1500)
     it.twin.pause()
     it.for_frames(5)

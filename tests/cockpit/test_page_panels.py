@@ -65,7 +65,7 @@ def own_parts(tmp_path, monkeypatch):
             self._honks = 0
 
         def state(self):
-            return {"steps": self._twin.step_count, "honks": self._honks}
+            return {"steps": self._twin.clock.step_count, "honks": self._honks}
 
         def ask(self, data):
             if data["honk"] > 9:

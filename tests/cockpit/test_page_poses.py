@@ -13,7 +13,7 @@ pytestmark = BROWSER_TESTS
 @pytest.fixture
 def arm(show, tmp_path):
     it, tab = show(arm_with_trajectories(tmp_path).scenario())
-    it.twin.real_time_rate = 4.0
+    it.twin.clock.real_time_rate = 4.0
     return it, tab
 
 
@@ -33,7 +33,7 @@ def reaches(it, positions):
 def test_joints_go_home_and_to_zero_and_through_saved_poses(arm):
     it, tab = arm
     controller = "trajectory_controller"
-    home = [it.twin.start_positions("arm")[f"joint_{number}"] for number in (1, 2, 3)]
+    home = [it.twin.entities.start_positions("arm")[f"joint_{number}"] for number in (1, 2, 3)]
     field = folder(tab, "arm").get_by_label("arm joint_1 position, number")
     field.fill("0.6")
     field.press("Enter")
@@ -48,7 +48,7 @@ def test_joints_go_home_and_to_zero_and_through_saved_poses(arm):
     reaches(it, [0.6, home[1], home[2]])
     start = it.twin.time
     press(tab, "Through all")
-    it.frames(lambda: it.twin.command("/arm/trajectory_controller/joint_trajectory") is not None)
+    it.frames(lambda: it.twin.graph.command("/arm/trajectory_controller/joint_trajectory") is not None)
     it.frames(lambda: it.twin.time > start + 2.5)
     reaches(it, [0.0, 0.0, 0.0])
     press(tab, f"{controller}: All to where they started")

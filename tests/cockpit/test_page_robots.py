@@ -22,7 +22,7 @@ def test_a_joint_slider_commands_that_joint_by_number_and_by_mouse(page):
     number = folder(tab).get_by_label("rear_left_wheel_joint velocity, number")
     number.fill("3")
     number.press("Enter")
-    it.frames(lambda: it.twin.command(WHEELS_1) is not None and it.twin.command(WHEELS_1).data[2] == 3.0)
+    it.frames(lambda: it.twin.graph.command(WHEELS_1) is not None and it.twin.graph.command(WHEELS_1).data[2] == 3.0)
     it.frames(lambda: abs(it.twin.robot_state("robot_1").velocities[2] - 3.0) < 0.05)
     slider = folder(tab).get_by_label("front_left_wheel_joint velocity", exact=False).first
     box = slider.bounding_box()
@@ -30,9 +30,9 @@ def test_a_joint_slider_commands_that_joint_by_number_and_by_mouse(page):
     tab.mouse.down()
     tab.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.5 * box["height"], steps=5)
     tab.mouse.up()
-    it.frames(lambda: it.twin.command(WHEELS_1).data[0] > 5.0)
-    assert it.twin.command(WHEELS_1).data[2] == 3.0
-    assert it.twin.command(WHEELS_1.replace("1", "2")) is None
+    it.frames(lambda: it.twin.graph.command(WHEELS_1).data[0] > 5.0)
+    assert it.twin.graph.command(WHEELS_1).data[2] == 3.0
+    assert it.twin.graph.command(WHEELS_1.replace("1", "2")) is None
 
 
 def test_a_slider_shows_what_was_commanded_elsewhere(page):
@@ -47,13 +47,13 @@ def test_an_arm_on_trajectories_has_sliders(show, tmp_path):
     number = folder(tab, "arm").get_by_label("arm joint_2 position, number")
     number.fill("0.3")
     number.press("Enter")
-    it.frames(lambda: it.twin.command(TRAJECTORY) is not None)
+    it.frames(lambda: it.twin.graph.command(TRAJECTORY) is not None)
     it.frames(lambda: abs(it.twin.robot_state("arm").positions[1] - 0.3) < 0.02)
 
 
 def test_a_controllers_switch_deactivates_and_activates_it(page):
     it, tab = page
-    manager = it.twin.controller_manager("robot_1")
+    manager = it.twin.control.manager("robot_1")
     switch = folder(tab).get_by_label("robot_1 forward_velocity_controller")
     switch.click(force=True)
     it.frames(lambda: "forward_velocity_controller" not in manager.active)

@@ -30,7 +30,7 @@ def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then
     tab.get_by_role("button", name="Spawn", exact=True).click()
     it.frames(lambda: "robot_3" in it.twin.robots)
     it.frames(lambda: not tab.locator("#spawn-dialog").is_visible())
-    assert it.twin.entity_state("robot_3").position == pytest.approx((0.6, 1.0, 0.0), abs=0.02)
+    assert it.twin.entities.state("robot_3").position == pytest.approx((0.6, 1.0, 0.0), abs=0.02)
     tab.get_by_role("button", name="Spawn…").click()
     assert tab.get_by_label("Name", exact=True).input_value() == "robot_4"
     it.frames(lambda: found.locator('optgroup[label="Recent"] option').count() == 1)
@@ -67,7 +67,7 @@ def test_a_page_without_robots_shows_the_one_that_a_node_spawns_and_none_after_i
     (tmp_path / "idle.py").write_text("import rclpy\n")
     it, tab = show(Scenario(robots=(), nodes=(NodeProgram(str(tmp_path / "idle.py")),)))
     it.for_frames(5)
-    it.twin.spawn(Robot("rover", str(ROVER), xyz=(0, 0, 0.13)))
+    it.twin.entities.spawn(Robot("rover", str(ROVER), xyz=(0, 0, 0.13)))
     it.frames(lambda: folder(tab, "rover").count() == 1)
-    it.twin.delete("rover")
+    it.twin.entities.delete("rover")
     it.frames(lambda: folder(tab, "rover").count() == 0)

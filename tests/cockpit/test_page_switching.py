@@ -23,7 +23,7 @@ def said(it, tab, text):
 
 def test_one_press_switches_to_the_drive_pad_and_one_back_to_the_sliders(show):
     it, tab = show(demo_scenario("rover", 2))
-    manager = it.twin.controller_manager("robot_1")
+    manager = it.twin.control.manager("robot_1")
     forwards = folder(tab).get_by_label("robot_1 Forwards")
     slider = folder(tab).get_by_label("rear_left_wheel_joint velocity, number")
     it.frames(lambda: it.twin.robot_state("robot_1").velocities[0] > 2)  # the demo drives
@@ -49,12 +49,12 @@ def test_one_press_switches_to_the_drive_pad_and_one_back_to_the_sliders(show):
     slider.press("Enter")
     it.frames(lambda: it.twin.robot_state("robot_1").velocities[2] > 2.9)
     assert manager.active[1:] == (FORWARD,)
-    assert it.twin.controller_manager("robot_2").active[1:] == (FORWARD,)
+    assert it.twin.control.manager("robot_2").active[1:] == (FORWARD,)
 
 
 def test_the_arms_sliders_switch_to_trajectories_and_the_gripper_and_back(show):
     it, tab = show(demo_scenario("arduinobot", 1))
-    manager = it.twin.controller_manager("robot_1")
+    manager = it.twin.control.manager("robot_1")
     place = folder(tab).get_by_label("robot_1 joint_2 position, number")
     grip = folder(tab).get_by_label("robot_1 joint_4 position, number")
     assert place.is_disabled()

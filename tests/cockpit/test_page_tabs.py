@@ -10,7 +10,7 @@ pytestmark = BROWSER_TESTS
 
 def test_messages_are_on_a_line_and_all_of_them_in_a_list(page):
     it, tab = page
-    it.twin.controller_manager("robot_1").switch_controller(deactivate=["forward_velocity_controller"])
+    it.twin.control.manager("robot_1").switch_controller(deactivate=["forward_velocity_controller"])
     it.twin.publish(WHEELS_1, [1, 1, 1, 1])
     it.frames(lambda: "no controller hears this" in tab.locator("#message-text").inner_text())
     tab.locator("#messages-toggle").click()
@@ -29,10 +29,10 @@ def test_two_tabs_steer_one_twin_and_reloading_or_closing_one_changes_nothing(pa
     it, one = page
     other = it.tab()
     one.get_by_role("button", name="Pause").click()
-    it.frames(lambda: it.twin.paused)
+    it.frames(lambda: it.twin.clock.paused)
     it.frames(lambda: other.get_by_role("button", name="Play", exact=True).count() == 1)
     other.get_by_role("button", name="Play", exact=True).click()
-    it.frames(lambda: not it.twin.paused)
+    it.frames(lambda: not it.twin.clock.paused)
     start = it.twin.time
     one.reload()
     it.frames(lambda: one.locator("body.ready").count() == 1)
@@ -43,7 +43,7 @@ def test_two_tabs_steer_one_twin_and_reloading_or_closing_one_changes_nothing(pa
     start = it.twin.time
     it.frames(lambda: it.twin.time > start + 0.2)
     one.get_by_role("button", name="Pause").click()
-    it.frames(lambda: it.twin.paused)
+    it.frames(lambda: it.twin.clock.paused)
 
 
 def test_a_page_whose_twin_has_ended_says_so(page):
@@ -62,7 +62,7 @@ def test_a_stop_is_red_until_the_twin_has_confirmed_it(page):
     it, tab = page
     tab.get_by_role("button", name="Stop all").click()
     assert "waiting" in tab.locator("#stop-all").get_attribute("class")  # the twin's thread is not at work
-    it.frames(lambda: all(it.twin.is_stopped(robot) for robot in it.twin.robots))
+    it.frames(lambda: all(it.twin.control.is_stopped(robot) for robot in it.twin.robots))
     it.frames(lambda: "waiting" not in (tab.locator("#stop-all").get_attribute("class") or ""))
 
 

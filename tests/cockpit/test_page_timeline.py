@@ -24,7 +24,7 @@ def scrub(it, tab, time):
     tab.get_by_label("Time to look at").evaluate(
         "(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')); }", time
     )
-    it.frames(lambda: it.cockpit._timeline._looked is not None and it.twin.paused)
+    it.frames(lambda: it.cockpit._timeline._looked is not None and it.twin.clock.paused)
     it.frames(lambda: tab.locator("#timeline.looking").count() == 1)
 
 
@@ -42,7 +42,7 @@ def test_scrubbing_shows_where_the_robot_was_and_now_where_it_is(driving):
     it.frames(lambda: tab.locator("#timeline.looking").count() == 0)
     it.for_frames(10)
     assert abs(orange(picture(tab))[1].mean() - orange(present)[1].mean()) < 2
-    assert it.twin.paused
+    assert it.twin.clock.paused
 
 
 def test_a_press_goes_on_from_there(driving):
@@ -51,7 +51,7 @@ def test_a_press_goes_on_from_there(driving):
     scrub(it, tab, 1.2)
     assert it.twin.time >= before
     tab.get_by_role("button", name="Go on from 1.00 s").click()
-    it.frames(lambda: not it.twin.paused)
+    it.frames(lambda: not it.twin.clock.paused)
     assert it.twin.time < 1.5
     it.frames(lambda: tab.locator("#timeline.looking").count() == 0)
     assert "continues from 1.000 s" in tab.locator("#message-text").inner_text()
@@ -79,7 +79,7 @@ def test_the_keyboard_moves_the_slider(driving):
 
 def test_marks_stand_where_things_happened(driving):
     it, tab = driving
-    it.twin.emergency_stop("robot_1")
+    it.twin.control.emergency_stop("robot_1")
     stopped = it.twin.time
     mark = tab.locator(".marks i[title*='emergency stop robot_1']")
     it.frames(lambda: mark.count() == 1)
@@ -93,7 +93,7 @@ def test_marks_stand_where_things_happened(driving):
 )
 def test_its_texts_fit(driving, scheme, size):
     it, tab = driving
-    it.twin.emergency_stop("robot_1")
+    it.twin.control.emergency_stop("robot_1")
     tab.emulate_media(color_scheme=scheme)
     tab.set_viewport_size({"width": size[0], "height": size[1]})
     it.for_frames(20)

@@ -47,7 +47,7 @@ def test_topics_are_listed_filtered_and_echoed(driving):
     it.frames(lambda: float(rows(tab).get(f"velocity[{WHEEL}]", 0)) > 1.9)
     names = tab.locator(".topics button")
     count = names.count()
-    assert count == len(it.twin.endpoints)
+    assert count == len(it.twin.graph.endpoints)
     tab.get_by_label("Filter topics").fill("joint_states")
     it.frames(lambda: 0 < names.count() < count)
     assert all("joint_states" in text for text in names.all_inner_texts())
@@ -59,7 +59,7 @@ def test_a_message_is_published_from_a_form(driving):
     form = tab.locator("form.publish")
     number = form.get_by_label(f"{WHEEL} velocity")
     it.frames(lambda: number.is_visible() and number.input_value() in ("0", "2"))
-    place = [claim.joint for claim in it.twin.command_limits(COMMANDS)].index(WHEEL)
+    place = [claim.joint for claim in it.twin.graph.command_limits(COMMANDS)].index(WHEEL)
 
     def published(said):
         form.get_by_role("button", name="Publish").click()
@@ -72,7 +72,7 @@ def test_a_message_is_published_from_a_form(driving):
     it.frames(lambda: it.twin.time > 0.1)
     number.fill("5.5")
     published("Published at")
-    it.frames(lambda: it.twin.command(COMMANDS).data[place] == 5.5)
+    it.frames(lambda: it.twin.graph.command(COMMANDS).data[place] == 5.5)
     number.fill("fast")
     refused(f"{WHEEL} velocity: fast is not a value")
     number.fill('"fast"')
@@ -82,11 +82,11 @@ def test_a_message_is_published_from_a_form(driving):
     it.frames(text.is_visible)
     text.fill("data: [1.0]]")
     refused("this is not YAML")
-    assert it.twin.command(COMMANDS).data[place] == 5.5
+    assert it.twin.graph.command(COMMANDS).data[place] == 5.5
     text.fill("data: [5.0, 5.0, 5.0, 5.0]")
     published("Published at")
-    it.frames(lambda: list(it.twin.command(COMMANDS).data) == [5.0] * 4)
-    it.twin.controller_manager("robot_1").switch_controller((), ["forward_velocity_controller"], 2)
+    it.frames(lambda: list(it.twin.graph.command(COMMANDS).data) == [5.0] * 4)
+    it.twin.control.manager("robot_1").switch_controller((), ["forward_velocity_controller"], 2)
     published("is not active and does not hear it")
 
 
@@ -116,7 +116,7 @@ def plot_wheel(it, tab):
 
 def test_numbers_are_plotted_from_the_echo(driving):
     it, tab = driving
-    it.twin.silence(COMMANDS)
+    it.twin.graph.silence(COMMANDS)
     choose(it, tab, STATES)
     path = f"velocity[{WHEEL}]"
     it.frames(lambda: path in rows(tab))
@@ -125,7 +125,7 @@ def test_numbers_are_plotted_from_the_echo(driving):
     other = path.replace("front_left", "rear_right")
     tab.get_by_role("button", name=f"Plot: {other}").click()
     it.frames(lambda: plotted(tab) == [f"{STATES}.{path}", f"{STATES}.{other}"])
-    order = [claim.joint for claim in it.twin.command_limits(COMMANDS)]
+    order = [claim.joint for claim in it.twin.graph.command_limits(COMMANDS)]
     it.twin.publish(COMMANDS, [{WHEEL: 7.0}.get(name, -3.0) for name in order])
     it.frames(lambda: value(tab, 0) == pytest.approx(7, abs=0.01) and value(tab, 1) == pytest.approx(-3, abs=0.01))
     it.for_frames(40)

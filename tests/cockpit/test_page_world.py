@@ -51,7 +51,7 @@ def test_a_click_in_the_scene_selects_in_the_tree_and_shows_what_is_true_in_the_
     tab.mouse.click(*place_of(tab, (-0.5, 0.9, 0.4)))
     it.frames(lambda: item(tab, "link:crate::link").get_attribute("aria-selected") == "true")
     it.seen(value(tab, "Mass"), "2.000 kg")
-    x, y, z = it.twin.entity_state("crate").position
+    x, y, z = it.twin.entities.state("crate").position
     it.seen(value(tab, "Position"), f"{x:.3f} {y:.3f} {z:.3f} m")
     it.frames(lambda: value(tab, "Box").count() == 1)
     assert (picture(tab) - before)[..., 2].max() > 30  # it glows blue
@@ -68,18 +68,18 @@ def test_a_robots_details_are_its_controllers_topics_and_findings(crates):
     it.frames(lambda: value(tab, "forward_velocity_controller").inner_text().startswith("active, "))
     assert value(tab, "/rover/joint_states").inner_text() == "published, sensor_msgs/msg/JointState"
     assert value(tab, "File").inner_text() == ROVER
-    it.twin.controller_manager("rover").switch_controller(deactivate=["forward_velocity_controller"])
+    it.twin.control.manager("rover").switch_controller(deactivate=["forward_velocity_controller"])
     it.frames(lambda: value(tab, "forward_velocity_controller").inner_text().startswith("inactive, "))
 
 
 def test_what_comes_and_goes_does_so_in_the_tree(crates):
     it, tab = crates
     it.frames(lambda: item(tab, "robot:rover::rover").count() == 1)
-    it.twin.spawn(Robot("second", ROVER, xyz=(-0.5, 1, 0.13)))
+    it.twin.entities.spawn(Robot("second", ROVER, xyz=(-0.5, 1, 0.13)))
     it.frames(lambda: item(tab, "robot:second::second").count() == 1)
     item(tab, "robot:second::second").click()
     it.frames(lambda: value(tab, "Mass").count() == 1)
-    it.twin.delete("second")
+    it.twin.entities.delete("second")
     it.frames(lambda: item(tab, "robot:second::second").count() == 0)
     it.frames(lambda: not tab.locator(".inspector").is_visible())
 

@@ -53,7 +53,7 @@ def test_a_page_that_comes_late_draws_what_one_that_was_there_draws():
     twin.publish("/robot_1/forward_velocity_controller/commands", [9] * 4)
     twin.advance_to(0.5)
     scene.draw(twin)
-    twin.delete("robot_2")
+    twin.entities.delete("robot_2")
     scene.draw(twin)
     scene.delete("/mark")
     late = scene.everything()

@@ -64,7 +64,7 @@ def test_a_sensor_that_is_not_shown_has_no_listener_nor_one_without_a_browser(pa
 def test_points_are_drawn_where_the_rays_met_the_wall_also_while_the_robot_turns(page):
     page.cockpit.process_requests()
     page.ask(protocol.ShowSensor(LIDAR, True))
-    page.twin.set_entity_state("box_0", (0.3, 0.2, 0.1), (np.cos(0.1), 0, 0, np.sin(0.1)), angular=(0, 0, 1.0))
+    page.twin.entities.set_state("box_0", (0.3, 0.2, 0.1), (np.cos(0.1), 0, 0, np.sin(0.1)), angular=(0, 0, 1.0))
     page.twin.advance_to(0.35)
     (points,) = page.drawn.values()
     assert len(points) == 31
@@ -82,7 +82,7 @@ def test_a_depth_cameras_points_lie_on_the_wall_though_they_come_later_while_the
     page.cockpit._scene.set_points = lambda path, points, color, size: drawn.append((page.twin.time, points))
     page.cockpit.process_requests()
     page.ask(protocol.ShowSensor(CAMERA, True))
-    page.twin.set_entity_state("box_0", (0.3, 0.2, 0.3), angular=(0, 0, 1.0))
+    page.twin.entities.set_state("box_0", (0.3, 0.2, 0.3), angular=(0, 0, 1.0))
     page.twin.advance_to(0.55)
     assert [time for time, _ in drawn] == pytest.approx([0.1, 0.3, 0.5])  # a period after 0, 0.2 and 0.4 s
     assert sorted(page.server.pictures) == ["/box_0/camera/depth_image", "/box_0/camera/image"]

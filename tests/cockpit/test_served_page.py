@@ -26,13 +26,13 @@ def test_a_new_twin_takes_the_place_of_the_one_before(served):
     assert not served.scene.has_path(f"{OVERLAYS}/collision")
     served.server._enqueue(1, protocol.Step(3))
     after.process_requests()
-    assert (first.step_count, second.step_count) == (0, 3)
+    assert (first.clock.step_count, second.clock.step_count) == (0, 3)
 
 
 def test_a_twin_that_is_only_displayed_stands_still(served):
     twin = Twin(rovers(1).scenario())
     served.show(twin, only_displayed=True)
-    assert twin.paused
+    assert twin.clock.paused
 
 
 def test_two_programs_have_pages_of_their_own(served):

@@ -59,11 +59,11 @@ def test_it_prints_an_address_of_this_machine_with_a_token(twin, capsys):
 def test_run_processes_requests_without_an_each_frame(twin, page):
     ask(page, protocol.MoveJoint(WHEELS_1, 0, 3.0))
     twin.run(0.1)
-    assert twin.command(WHEELS_1).data[0] == 3.0
+    assert twin.graph.command(WHEELS_1).data[0] == 3.0
     ask(page, protocol.Reset())
     twin.run(0.05)
     assert twin.time == pytest.approx(0.05)
-    assert twin.command(WHEELS_1) is None
+    assert twin.graph.command(WHEELS_1) is None
 
 
 def test_an_each_frame_of_the_programs_own_is_called_too(twin, page):
@@ -71,7 +71,7 @@ def test_an_each_frame_of_the_programs_own_is_called_too(twin, page):
     ask(page, protocol.MoveJoint(WHEELS_1, 0, 3.0))
     twin.run(0.1, each_frame=lambda: calls.append(twin.time))
     assert calls
-    assert twin.command(WHEELS_1).data[0] == 3.0
+    assert twin.graph.command(WHEELS_1).data[0] == 3.0
 
 
 @pytest.fixture
@@ -83,7 +83,7 @@ def frames_are_due(monkeypatch):
 def test_an_advance_of_the_programs_own_processes_what_a_callback_can(twin, frames_are_due, page):
     ask(page, protocol.MoveJoint(WHEELS_1, 0, 3.0))
     twin.advance_to(0.1)
-    assert twin.command(WHEELS_1).data[0] == 3.0
+    assert twin.graph.command(WHEELS_1).data[0] == 3.0
     for request in (protocol.Reset(), protocol.Step(1), protocol.RunTo(9.0), protocol.Delete("robot_1")):
         ask(page, request)
         time = twin.time + 0.1
@@ -99,14 +99,14 @@ def test_a_pause_on_the_page_holds_an_advance_of_the_programs_own_until_play(twi
     seen = []
 
     def sleep(duration):
-        seen.append((twin.time, twin.paused))
+        seen.append((twin.time, twin.clock.paused))
         if len(seen) == 3:
             ask(page, protocol.Play())
 
     monkeypatch.setattr("drake_twin.show.sleep", sleep)
     assert twin.advance_to(0.5) == pytest.approx(0.5)
     assert seen[:3] == [(0, True)] * 3
-    assert not twin.paused
+    assert not twin.clock.paused
 
 
 def test_a_pause_of_the_programs_own_ends_its_advance(twin, frames_are_due, page):
@@ -158,7 +158,7 @@ def test_an_idle_asyncio_loop_processes_requests(twin, capsys, monkeypatch):
         await give_way()
 
     asyncio.run(cells())
-    assert twin.step_count == 3
+    assert twin.clock.step_count == 3
 
 
 def test_what_is_not_a_twin_is_refused():
@@ -215,10 +215,10 @@ class TestInBrowser:
         number = tab.get_by_label("rear_left_wheel_joint velocity, number")
         number.fill("3")
         number.press("Enter")
-        until(lambda: twin.command(WHEELS_1) is not None)
-        assert twin.command(WHEELS_1).data[2] == 3.0
+        until(lambda: twin.graph.command(WHEELS_1) is not None)
+        assert twin.graph.command(WHEELS_1).data[2] == 3.0
         tab.get_by_role("button", name="Pause").click()
-        until(lambda: twin.paused)
+        until(lambda: twin.clock.paused)
         until(lambda: orange_bodies(picture(tab)) == 1)
 
     def test_a_cell_of_a_notebook_shows_it_before_anything_runs_and_then_steers_it(self, twin, page, tab):
@@ -229,6 +229,6 @@ class TestInBrowser:
         assert cell.locator("#time").inner_text() == "0.000 s"
         assert cell.frame_locator("#scene").locator("#meshcat-pane canvas").count() == 1
         cell.get_by_role("button", name="Pause").click()
-        twin.run(each_frame=lambda: not twin.paused)
+        twin.run(each_frame=lambda: not twin.clock.paused)
         notebook.shutdown()
         notebook.server_close()

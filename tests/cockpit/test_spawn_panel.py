@@ -75,12 +75,12 @@ def test_a_spawn_plans_its_robot_once_and_replays_to_the_same_state(tmp_path, di
 
         monkeypatch.setattr(module, "plan_robot", counting)
     twin = dialog.page.twin
-    twin.record()
+    twin.recorder.begin()
     dialog.spawn(ROVER)
     assert dialog.outcome()["status"] == "done"
     assert planned == ["new"]
     twin.step(10)
-    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+    assert replay(twin.recorder.recording()).state_sha256() == twin.state_sha256()
 
 
 def test_robot_files_are_those_that_name_a_robot_in_every_package_once(tmp_path):
@@ -120,13 +120,13 @@ def test_a_robot_is_spawned_with_its_arguments_standing_on_the_ground(dialog, tm
     file = xacro(tmp_path / "r.xacro", f'<xacro:arg name="link" default="a"/><link name="$(arg link)">{BODY}</link>')
     dialog.spawn(file, arguments='{"link": "other"}', xyz=[1, 3, 0.5], rpy=[0, 0, 0.3])
     assert dialog.outcome()["status"] == "done"
-    plan = dialog.page.twin.plans[1]
+    plan = dialog.page.twin.built.plans[1]
     assert plan.description.root_link == "other"
     assert plan.robot.xyz == (1, 3, pytest.approx(0.5 + 0.3, abs=0.002))  # its box is 0.6 m high
     assert plan.robot.rpy == (0, 0, 0.3)
     dialog.spawn(file, name="low", stands=False, xyz=[1, 6, 0.5])
     assert dialog.outcome()["status"] == "done"
-    assert dialog.page.twin.plans[2].robot.xyz == (1, 6, 0.5)
+    assert dialog.page.twin.built.plans[2].robot.xyz == (1, 6, 0.5)
 
 
 def test_what_is_refused_is_said_in_the_dialog_and_changes_nothing(dialog, tmp_path):
@@ -160,9 +160,9 @@ def test_a_file_that_takes_too_long_is_ended_and_the_twin_goes_on_meanwhile(dial
     monkeypatch.setattr(spawn_panel, "XacroTrial", lambda *given: XacroTrial(*given, longest=1.0))
     dialog.spawn(slow)
     dialog.look()
-    steps = dialog.page.twin.step_count
+    steps = dialog.page.twin.clock.step_count
     dialog.page.twin.advance_to(0.1)
-    assert dialog.page.twin.step_count > steps
+    assert dialog.page.twin.clock.step_count > steps
     assert dialog.page.state["panels"]["spawn"]["status"] == "reading"
     dialog.spawn(ROVER, name="impatient")
     assert "another robot is being spawned" in dialog.page.state["panels"]["spawn"]["message"]

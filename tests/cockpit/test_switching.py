@@ -35,7 +35,7 @@ def demo(scene):
 
 
 def active(page, robot="robot_1"):
-    return page.twin.controller_manager(robot).active[1:]  # the first is the broadcaster
+    return page.twin.control.manager(robot).active[1:]  # the first is the broadcaster
 
 
 def test_a_rover_is_switched_to_its_drive_and_back(demo):
@@ -43,7 +43,7 @@ def test_a_rover_is_switched_to_its_drive_and_back(demo):
     page.ask(protocol.SwitchTo("robot_1", DRIVE), protocol.Drive(CMD_VEL, 0.5, 0.0, 0.0))
     page.twin.advance_to(0.05)
     assert (active(page), active(page, "robot_2")) == ((DRIVE,), (FORWARD,))
-    assert page.twin.command(CMD_VEL).linear_x == 0.5
+    assert page.twin.graph.command(CMD_VEL).linear_x == 0.5
     assert page.state["robots"]["robot_1"]["controllers"][DRIVE] == "active"
     assert ("info", f"robot_1: switched: {DRIVE} active, {FORWARD} inactive") in page.messages
     page.ask(protocol.SwitchTo("robot_1", FORWARD))
@@ -98,11 +98,11 @@ def test_a_switch_that_is_refused_is_reported_and_changes_nothing(scene, robot, 
 
 def test_a_recorded_switch_is_replayed_to_the_same_bits(scene):
     page = FakePage(Twin(demo_scenario("rover", 1)), scene)
-    page.twin.record()
+    page.twin.recorder.begin()
     page.twin.advance_to(0.1)
     page.ask(protocol.SwitchTo("robot_1", DRIVE), protocol.Drive(CMD_VEL, 0.5, 0.0, 0.0))
     page.twin.advance_to(0.5)
-    again = replay(page.twin.recording())
+    again = replay(page.twin.recorder.recording())
     assert again.state_sha256() == page.twin.state_sha256()
     page.cockpit.close()
 
@@ -128,7 +128,7 @@ def test_a_chain_is_switched_as_a_whole_in_both_directions(tmp_path, scene):
         inactive=("low", "upper"),
     )
     page = FakePage(builder.build(), scene)
-    manager = page.twin.controller_manager("r")
+    manager = page.twin.control.manager("r")
     page.ask(protocol.SwitchTo("r", "upper"))
     assert page.state
     assert page.messages[-1] == ("info", "r: switched: upper active, low active, plain inactive")

@@ -53,7 +53,7 @@ def driving():
 
 
 def true_x(twin):
-    return twin.entity_state("robot_1").position[0]
+    return twin.entities.state("robot_1").position[0]
 
 
 def test_looking_back_draws_where_the_robot_was_and_pauses(driving):
@@ -62,7 +62,7 @@ def test_looking_back_draws_where_the_robot_was_and_pauses(driving):
     driving.run_to(3.0)
     before = driving.twin.state_sha256()
     driving.ask(protocol.Look(1.5))
-    assert driving.twin.paused
+    assert driving.twin.clock.paused
     assert driving.twin.time == pytest.approx(3.0)
     assert driving.drawn_x == pytest.approx(then, abs=0.01)  # a picture each 0.03 s, at 0.5 m/s
     assert driving.told["looked"] == pytest.approx(1.5, abs=0.04)
@@ -84,7 +84,7 @@ def test_going_on_from_now_or_from_there_is_as_if_nobody_had_looked(driving):
     assert driving.twin.state_sha256() == plain.state_sha256()
     driving.ask(protocol.Look(3.0), protocol.GoOnFrom(2.6))
     assert driving.twin.time == 2.5
-    assert not driving.twin.paused
+    assert not driving.twin.clock.paused
     assert driving.drawn_x == pytest.approx(true_x(driving.twin), abs=1e-6)
     assert driving.page.messages[-1] == ("info", "the twin went back from 13.000 s and continues from 2.500 s")
     driving.run_to(13.0)
@@ -120,7 +120,7 @@ def test_overlays_of_the_present_are_hidden_meanwhile(driving):
 
 def test_robots_that_were_deleted_are_seen_again(driving):
     driving.run_to(0.7)
-    driving.twin.delete("robot_2")
+    driving.twin.entities.delete("robot_2")
     driving.run_to(1.2)
     assert not driving.scene.has_path("/twin/robot_2")
     driving.ask(protocol.Look(0.6))

@@ -114,7 +114,7 @@ def test_why_a_curve_has_no_samples_is_said(twin):
 
 
 def test_samples_that_nobody_takes_and_requests_are_bounded(twin):
-    twin.set_time_step(0.01)
+    twin.clock.set_time_step(0.01)
     panel = TopicsPanel(twin)
     plot(panel, "clock.nanosec", "/clock")
     twin.advance_to(12.0)
@@ -133,12 +133,12 @@ def test_the_list_is_what_the_twin_has_and_comes_once(twin):
     panel = TopicsPanel(twin)
     look(panel)
     listing = {(item["kind"], item["name"]): item["type"] for item in panel.state()["topics"]}
-    assert listing == {(item.kind, item.name): item.type for item in twin.endpoints}
+    assert listing == {(item.kind, item.name): item.type for item in twin.graph.endpoints}
     panel = TopicsPanel(twin)
     panel.state()
     look(panel, version=1)
     assert panel.state()["topics"] is None
-    twin.delete("robot_2")
+    twin.entities.delete("robot_2")
     listing = panel.state()["topics"]
     assert listing
     assert all(item["robot"] != "robot_2" for item in listing)
@@ -201,16 +201,16 @@ def test_a_form_publishes_what_it_says(twin):
     echo = panel.state()["echoes"][COMMANDS]
     assert echo["form"]["text"] == "data: [1.0, 2.0, 3.0, 4.0]\n"
     assert echo["form"]["fields"]["data"] == [1.0, 2.0, 3.0, 4.0]
-    assert echo["form"]["labels"] == [f"{claim.joint} velocity" for claim in twin.command_limits(COMMANDS)]
+    assert echo["form"]["labels"] == [f"{claim.joint} velocity" for claim in twin.graph.command_limits(COMMANDS)]
     assert ("data[3]", "4", True) in echo["rows"]
     outcome = publish(panel, COMMANDS, "data:\n- 4\n- 3\n- 2\n- 1\n")
     assert outcome == {"key": "k", "problem": "", "text": "Published at 0.100 s."}
     twin.advance_to(0.2)
-    assert list(twin.command(COMMANDS).data) == [4.0, 3.0, 2.0, 1.0]
+    assert list(twin.graph.command(COMMANDS).data) == [4.0, 3.0, 2.0, 1.0]
 
 
 def test_what_nobody_hears_is_said(twin):
-    twin.controller_manager("robot_1").switch_controller((), ["forward_velocity_controller"], 2)
+    twin.control.manager("robot_1").switch_controller((), ["forward_velocity_controller"], 2)
     panel = TopicsPanel(twin)
     look(panel)
     text = publish(panel, COMMANDS, "data: [1, 1, 1, 1]")["text"]
@@ -243,7 +243,7 @@ def test_what_does_not_fit_is_refused(twin, topic, text, why):
     assert outcome["text"] == ""
     with pytest.raises(InputError, match=why):
         panel.ask({"do": "Publish", "topic": topic, "text": text, "key": ""})
-    assert twin.command(COMMANDS) is None
+    assert twin.graph.command(COMMANDS) is None
 
 
 def test_the_form_of_a_trajectory_holds_the_joints_where_they_are(tmp_path):
@@ -272,7 +272,7 @@ def test_frames_are_those_of_tf(twin):
     twin.advance_to(0.5)
     frames = {item["frame"]: item for item in panel.state()["frames"]}
     base = frames["robot_1_base_link"]
-    assert base["xyz"] == pytest.approx(twin.entity_state("robot_1").position, abs=1e-3)
+    assert base["xyz"] == pytest.approx(twin.entities.state("robot_1").position, abs=1e-3)
     assert frames["robot_1_rear_left_wheel"]["parent"] == "robot_1_base_link"
     assert not base["static"]
 

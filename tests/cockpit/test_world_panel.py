@@ -52,7 +52,7 @@ def test_the_tree_has_everything_once_each_below_what_it_belongs_to(twin):
     ids = [node.id for node in every_node(tree)]
     assert len(set(ids)) == len(ids)
     arm = TwinBuilder().robot("arm", ARM).build()
-    description = arm.plans[0].description
+    description = arm.built.plans[0].description
     names = [node.name for node in every_node(world_tree(arm)) if node.kind in ("link", "joint")]
     assert sorted(names) == sorted([*description.links, *(joint.name for joint in description.joints)])
 
@@ -76,7 +76,7 @@ def test_a_link_shows_its_pose_its_mass_and_its_shapes(twin):
     assert found["Mass", "Mass"] == (2.0, "kg")
     assert found["Mass", "Moments of inertia"] == (0.053, 0.053, 0.053, "kg·m²")
     assert found["Collision shapes", "Box 0.4 × 0.4 × 0.4 m"][0].startswith("touches: ")
-    twin.set_entity_state("crate", linear=(0.1, 0, 0), angular=(0, 0, 0.2))
+    twin.entities.set_state("crate", linear=(0.1, 0, 0), angular=(0, 0, 0.2))
     found = rows(panel, "model:crate::crate")
     assert found["Pose and twist in the world", "Velocity"] == (0.1, 0, 0, "m/s")
     assert found["Pose and twist in the world", "Angular velocity"] == (0, 0, 0.2, "rad/s")
@@ -96,14 +96,14 @@ def test_a_static_model_and_a_light_show_what_their_file_says(twin):
 def test_a_joint_shows_its_state_its_limits_and_who_commands_it():
     twin = TwinBuilder().robot("arm", ARM).build()
     panel = WorldPanel(twin)
-    twin.set_joint_positions("arm", {"joint_2": 0.3})
+    twin.entities.set_joint_positions("arm", {"joint_2": 0.3})
     found = rows(panel, "joint:arm::joint_2")
-    joint = twin.plans[0].description.joints_by_name["joint_2"]
+    joint = twin.built.plans[0].description.joints_by_name["joint_2"]
     assert found["State", "Position"] == (0.3, "rad")
     assert found["Joint", "Highest position"] == (pytest.approx(joint.limits.upper, abs=1e-6), "rad")
     assert found["Joint", "Links"] == (f"{joint.parent} → {joint.child}",)
     assert found["Controllers", "forward_velocity_controller"] == ("active",)
-    twin.controller_manager("arm").switch_controller(deactivate=["forward_velocity_controller"])
+    twin.control.manager("arm").switch_controller(deactivate=["forward_velocity_controller"])
     assert rows(panel, "joint:arm::joint_2")["Controllers", "forward_velocity_controller"] == ("inactive",)
 
 
@@ -160,7 +160,7 @@ def test_the_tree_is_sent_to_who_lacks_it_and_nothing_is_read_for_nobody(twin):
     panel = WorldPanel(twin)
     look(panel, "")
     assert panel.state()["tree"] is None
-    twin.spawn(Robot("second", twin.scenario.robots[0].model, xyz=(0, -2, 0.13)))
+    twin.entities.spawn(Robot("second", twin.scenario.robots[0].model, xyz=(0, -2, 0.13)))
     assert [node["name"] for node in panel.state()["tree"]][:2] == ["rover", "second"]
     for _ in range(60):
         panel.state()
@@ -194,16 +194,16 @@ def test_edits_are_those_of_the_twin_and_undo_returns_to_the_moment_before_each(
         [0, 0, 0],
     )
     do(it, "Place", entity="ramp", xyz=[3, 3, 0.05], rpy=[0, 0, 0.5])
-    assert twin.world_file.models[0].pose.xyz == (3, 3, 0.05)
+    assert twin.built.world_file.models[0].pose.xyz == (3, 3, 0.05)
     do(it, "Remove", entity="crate")
-    assert [model.name for model in twin.world_file.models] == ["ramp"]
+    assert [model.name for model in twin.built.world_file.models] == ["ramp"]
     do(it, "Duplicate", entity="rover")
     assert twin.robots == ("rover", "rover_2")
-    first, second = (twin.entity_state(name).position for name in twin.robots)
+    first, second = (twin.entities.state(name).position for name in twin.robots)
     assert second[1] - first[1] > 0.5  # the rover is 0.47 m wide
-    assert twin.plans[1].robot.topic_namespace == "/rover_2"
+    assert twin.built.plans[1].robot.topic_namespace == "/rover_2"
     do(it, "Duplicate", entity="ramp")
-    assert [(model.name, model.pose.xyz) for model in twin.world_file.models] == [
+    assert [(model.name, model.pose.xyz) for model in twin.built.world_file.models] == [
         ("ramp_2", (3, 4, 0.05)),
         ("ramp", (3, 3, 0.05)),
     ]

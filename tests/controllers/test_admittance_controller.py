@@ -16,7 +16,7 @@ from drake_twin.controllers.base_controller import ControllerSetup, Upstream
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import HardwareSensor, HardwareSystem, Joint, RobotDescription
 from drake_twin.errors import CommandError, InputError
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.twin.snapshot import Snapshot
 
 KIND = "admittance_controller/AdmittanceController"

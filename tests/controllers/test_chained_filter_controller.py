@@ -12,7 +12,7 @@ from drake_twin.description.parameters import read_parameters
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.state_layout import StateLayout
 
 PERIOD = 0.1
 ROBOT = """<robot name="r">
@@ -264,9 +264,9 @@ def test_a_twin_lists_the_filtered_interfaces_and_has_them_on_a_port(tmp_path):
     builder = TwinBuilder().robot("r", tmp_path / "r.urdf", xyz=(0, 0, 0.5), controllers=tmp_path / "c.yaml")
     twin = builder.build()
     twin.advance_to(0.1)
-    _, states = twin.controller_manager("r").list_hardware_interfaces()
+    _, states = twin.control.manager("r").list_hardware_interfaces()
     assert [item.name for item in states][-3:] == ["dut/wheel_left/filtered_position", "dut/level", "dut/effort"]
-    position, level, _ = twin.evaluate(twin.diagram.GetOutputPort("r/dut/state_interfaces"))
+    position, level, _ = twin.graph.evaluate(twin.diagram.GetOutputPort("r/dut/state_interfaces"))
     assert position == pytest.approx(twin.robot_state("r").positions[0], abs=1e-3)
     assert level == 4.0
     before = twin.snapshot()

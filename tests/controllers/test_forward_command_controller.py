@@ -15,8 +15,8 @@ from drake_twin.controllers.position_controllers import JointGroupPositionContro
 from drake_twin.controllers.velocity_controllers import JointGroupVelocityController
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.errors import CommandError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import empty_value, make_value
-from drake_twin.systems.state_layout import StateLayout
 
 ROBOT = RobotDescription("robot", ("base", "link"), (Joint("left", "continuous", "base", "link"),))
 

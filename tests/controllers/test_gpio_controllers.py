@@ -19,8 +19,8 @@ from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.errors import CommandError, InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import make_value
-from drake_twin.systems.state_layout import StateLayout
 
 PERIOD = 0.01
 WITHOUT_GPIO = "<robot name='r'><link name='base'/></robot>"
@@ -74,7 +74,7 @@ class Harness:
         setup = ControllerSetup("dut", parameters, claims, description, StateLayout(0, {}, {}, {}))
         builder = DiagramBuilder()
         self.dut = builder.AddNamedSystem("dut", GpioCommandController(setup))
-        plan = SimpleNamespace(description=description, update_rate=1 / PERIOD)
+        plan = SimpleNamespace(description=description, manager=SimpleNamespace(update_rate=1 / PERIOD))
         self.hardware = add_gpios(builder, plan, {"dut": self.dut}, PERIOD)
         self.simulator = Simulator(builder.Build())
         context = self.simulator.get_mutable_context()
@@ -287,16 +287,16 @@ def published(twin):
 
 def test_a_twin_has_the_gpios_of_its_robots(twin):
     assert not twin.findings
-    commands, states = twin.controller_manager("r").list_hardware_interfaces()
+    commands, states = twin.control.manager("r").list_hardware_interfaces()
     assert [(item.name, item.is_claimed) for item in commands] == [("vacuum/valve", True), ("lamp/on", True)]
     assert [item.name for item in states] == ["vacuum/valve", "vacuum/pressure", "lamp/on"]
-    (component,) = twin.controller_manager("r").list_hardware_components()
+    (component,) = twin.control.manager("r").list_hardware_components()
     assert component.command_interfaces == ("vacuum/valve", "lamp/on")
     assert component.state_interfaces == ("vacuum/valve", "vacuum/pressure", "lamp/on")
 
 
 def test_a_gpio_has_no_limits_and_no_slider(twin):
-    assert twin.command_limits("/r/lamps/commands") == {Interface("lamp", "on"): (-np.inf, np.inf)}
+    assert twin.graph.command_limits("/r/lamps/commands") == {Interface("lamp", "on"): (-np.inf, np.inf)}
     assert JointCommands(twin).groups == {}
 
 
@@ -314,7 +314,7 @@ def test_a_twins_gpios_follow_commands_which_hold_and_are_saved(twin):
     twin.advance_to(0.05)
     np.testing.assert_equal(published(twin), [[0.25, np.nan], [1.0]])
     before = twin.snapshot()
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     manager.switch_controller(deactivate=["lamps"])
     manager.switch_controller(deactivate=["io"])
     twin.advance_to(0.1)

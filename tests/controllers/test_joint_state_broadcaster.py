@@ -16,8 +16,8 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import or_none
-from drake_twin.systems.state_layout import StateLayout
 
 # A floating base (7 positions, 6 velocities), then two joints whose actuators stand in the other order.
 LAYOUT = StateLayout(

@@ -28,8 +28,8 @@ from drake_twin.description.controllers_yaml import ControllerParameters, read_c
 from drake_twin.description.parameters import parameter_names, read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.errors import CommandError, InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import empty_value, make_value, or_none
-from drake_twin.systems.state_layout import StateLayout
 
 PERIOD = 0.01
 JOINTS = ("a", "b")

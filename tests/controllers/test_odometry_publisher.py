@@ -88,9 +88,9 @@ def twin_of(tmp_path, inside="", more=""):
 def test_in_the_twin_it_publishes_what_was_set(tmp_path):
     twin = twin_of(tmp_path, "<dimensions>3</dimensions><xyz_offset>0.5 0 0</xyz_offset>")
     assert [str(finding) for finding in twin.findings if "plugin" in str(finding)] == []
-    assert twin.topics()["/box/odometry"] == "nav_msgs/msg/Odometry"
+    assert twin.graph.topics()["/box/odometry"] == "nav_msgs/msg/Odometry"
     turned = (cos(pi / 4), 0, 0, sin(pi / 4))
-    twin.set_entity_state("box", (1, 2, 5), turned, linear=(0.1, 0, 0), angular=(0, 0, 2.0))
+    twin.entities.set_state("box", (1, 2, 5), turned, linear=(0.1, 0, 0), angular=(0, 0, 2.0))
     message = twin.latest("/box/odometry")
     assert xyz(message.pose.pose.position) == pytest.approx([1, 2.5, 5])
     # 0.5 m ahead of an origin that moves along the world's x, it is carried along the world's -x by the turning.
@@ -121,7 +121,7 @@ def test_a_drives_transform_comes_before_it(tmp_path):
     drive = '<gazebo><plugin filename="libgazebo_ros_planar_move.so" name="move"/></gazebo>'
     twin = twin_of(tmp_path, "", drive)
     assert [str(finding) for finding in twin.findings if "/tf" in str(finding)] == []
-    assert twin.topics()["/box/odometry"] == "nav_msgs/msg/Odometry"
+    assert twin.graph.topics()["/box/odometry"] == "nav_msgs/msg/Odometry"
 
 
 def test_wrong_values_are_refused_with_their_line(tmp_path):
@@ -130,5 +130,5 @@ def test_wrong_values_are_refused_with_their_line(tmp_path):
 
 
 def test_other_dimensions_do_not_start_it(tmp_path):  # as in gz-sim
-    (why,) = twin_of(tmp_path, "<dimensions>4</dimensions>").not_started
+    (why,) = twin_of(tmp_path, "<dimensions>4</dimensions>").findings.not_started
     assert "<dimensions> is 4, which is neither 2 nor 3" in str(why)

@@ -14,8 +14,8 @@ from drake_twin.controllers.base_controller import ControllerSetup, Upstream
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.pid_controller import PidController, PidControllerGains, PidControllerParameters
 from drake_twin.errors import CommandError, InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import empty_value, make_value
-from drake_twin.systems.state_layout import StateLayout
 
 POSITION = ("position",)
 BOTH = ("position", "velocity")

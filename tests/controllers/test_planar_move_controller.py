@@ -11,8 +11,8 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.planar_move_controller import PlanarMoveController, PlanarMoveParameters
 from drake_twin.description.robot_description import Pose, RobotDescription
 from drake_twin.errors import CommandError
-from drake_twin.systems.planar_base import PlanarBase
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.planar_base import PlanarBase
+from drake_twin.kinematics.state_layout import StateLayout
 
 # Slides along x, y, z and a turn, their positions and then their velocities; the base starts at the world's origin.
 PLANAR = PlanarBase(Pose(), (0, 1, 2, 3), (4, 5, 6, 7))

@@ -169,7 +169,7 @@ def test_in_a_twin_a_pose_of_no_link_is_not_invented(tmp_path):
     twin = swing(tmp_path, "other", "base")
     twin.advance_to(0.02)
     assert all(map(isnan, pose_of(twin.latest("/swing/pose/pose"))))
-    assert any("the pose is not simulated" in text for text in twin.warnings)
+    assert any("the pose is not simulated" in text for text in twin.findings.warnings)
     assert [item for item in twin.latest("/tf").transforms if item.child_frame_id == "swing/other"] == []
 
 

@@ -9,8 +9,8 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.roller_wheels_controller import RollerWheelsController, RollerWheelsParameters
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import Pose, RobotDescription
-from drake_twin.systems.planar_base import PlanarBase
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.planar_base import PlanarBase
+from drake_twin.kinematics.state_layout import StateLayout
 
 WHEELS = ("left", "right", "back")
 # Slides along x, y, z and a turn, then the wheels; their positions and then their velocities.

@@ -32,7 +32,7 @@ def test_a_bound_that_is_not_a_number_is_skipped_as_in_ros2_control(tmp_path):
     <joint name="j"><command_interface name="position"><param name="min">{-2*pi}</param><param name="max">0.5</param>
     </command_interface><state_interface name="position"/></joint></ros2_control>"""
     twin = built(tmp_path, text)
-    (interface,) = twin.plans[0].description.controlled_joints["j"].command_interfaces
+    (interface,) = twin.built.plans[0].description.controlled_joints["j"].command_interfaces
     assert (interface.min, interface.max) == (float("-inf"), 0.5)
     (finding,) = [item for item in twin.findings if "-2*pi" in item.what]
     assert (finding.kind, finding.lines) == (Kind.IGNORED, (8,))

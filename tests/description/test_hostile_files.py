@@ -40,7 +40,7 @@ def test_xml_in_any_encoding_is_read(tmp_path, encoding, suffix):
         root = '<sdf version="1.7"><model name="é"><link name="a"/></model></sdf>'
     file = tmp_path / f"robot.{suffix}"
     file.write_bytes(f'<?xml version="1.0" encoding="{encoding}"?>{root}'.encode(encoding))
-    assert built(file).plans[0].description.name == "é"
+    assert built(file).built.plans[0].description.name == "é"
 
 
 def test_xacro_reads_utf_8_as_in_ros(tmp_path):
@@ -146,7 +146,7 @@ def test_expressions_keep_their_meaning(tmp_path):
     text = f"""<robot name="r" {XACRO}><xacro:property name="n" value="3"/>
       <link name="a${{n**2}}_${{1&lt;&lt;n}}_${{2*n}}_${{'ab'*n}}_${{[i*n for i in [1, 2]]}}_${{2.0**0.5}}"/></robot>"""
     (tmp_path / "r.xacro").write_text(text)
-    (link,) = built(tmp_path / "r.xacro").plans[0].description.links
+    (link,) = built(tmp_path / "r.xacro").built.plans[0].description.links
     assert link == f"a9_8_6_ababab_[3, 6]_{2.0**0.5}"
 
 

@@ -199,7 +199,7 @@ def test_a_bad_mesh_is_a_finding_and_the_robot_runs(tmp_path, monkeypatch, name,
     twin = TwinBuilder().robot("thing", robot_of(name, tmp_path), xyz=(0, 0, 1)).build()
     twin.advance_to(0.01)
     expected = () if what is None else (f"thing: mesh m.binary.stl has {what} (thing.xml:1)",)
-    assert tuple(warning for warning in twin.warnings if "point: Drake" not in warning) == expected
+    assert tuple(warning for warning in twin.findings.warnings if "point: Drake" not in warning) == expected
 
 
 def test_a_mesh_that_is_a_point_is_refused(tmp_path):

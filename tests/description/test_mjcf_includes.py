@@ -46,7 +46,7 @@ def test_a_robot_of_several_files_is_mujocos(written, monkeypatch, tmp_path_fact
     file = written()
     theirs = mujoco.MjModel.from_xml_path(str(file))
     twin = TwinBuilder().robot("r", file).build()
-    (plan,) = twin.plans
+    (plan,) = twin.built.plans
     joints = plan.description.joints_by_name
     assert twin.robot_state("r").joints == ("shoulder", "elbow")
     for number, name in enumerate(("shoulder", "elbow")):

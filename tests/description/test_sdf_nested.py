@@ -115,10 +115,10 @@ def test_a_robot_may_consist_of_models_inside_models(tmp_path, plugin):
     # The arm stands at (1, 0) and looks along y; each link is 1 m further on, the palm 1 m above the last.
     expected = [(0, 0, 5), (1, 1, 5), (1, 2, 5), (1, 2, 6)]
     np.testing.assert_allclose(positions(twin, "base", "arm_upper", "arm_lower", "arm_hand_palm"), expected, atol=1e-12)
-    assert twin.topics()["/r/joint/arm_elbow/0/cmd_pos"] == "std_msgs/msg/Float64"
-    (axis,) = [joint.axis for joint in twin.plans[0].description.joints if joint.name == "arm_elbow"]
+    assert twin.graph.topics()["/r/joint/arm_elbow/0/cmd_pos"] == "std_msgs/msg/Float64"
+    (axis,) = [joint.axis for joint in twin.built.plans[0].description.joints if joint.name == "arm_elbow"]
     np.testing.assert_allclose(axis, (0, 1, 0), atol=1e-12)  # of the arm's frame, as the link is
-    assert [(sensor.name, sensor.link) for sensor in twin.plans[0].description.sensors] == [("imu", "arm_lower")]
+    assert [(sensor.name, sensor.link) for sensor in twin.built.plans[0].description.sensors] == [("imu", "arm_lower")]
 
 
 def test_a_robots_own_includes_are_parts_of_it(tmp_path):
@@ -168,10 +168,10 @@ def test_links_that_nothing_joins_are_free_bodies_of_one_robot(tmp_path):
     assert twin.state_sha256() == digest
     twin.reset()
     np.testing.assert_allclose(positions(twin, *names), start, atol=1e-12)
-    twin.place("r", (3, 0, 1))  # the whole model, as Gazebo's set_pose
+    twin.entities.place("r", (3, 0, 1))  # the whole model, as Gazebo's set_pose
     turned = [(3, 0, 1), (4, 0, 3), (3, 1, 4), (3, 2, 4)]
     np.testing.assert_allclose(positions(twin, *names), turned, atol=1e-12)
-    twin.set_entity_state("r::crate", (0, 0, 9))
+    twin.entities.set_state("r::crate", (0, 0, 9))
     np.testing.assert_allclose(positions(twin, *names), [turned[0], (0, 0, 9), *turned[2:]], atol=1e-12)
 
 

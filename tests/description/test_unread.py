@@ -206,7 +206,7 @@ def robot(request, tmp_path):
         a_line_each = re.sub(r">\s*<", ">\n<", SDF)
         return Robot(a_line_each.encode(), tmp_path / "robot.sdf", PACKAGES)
     twin = TwinBuilder().robot("r", request.param).build()
-    return Robot(twin.plans[0].description.text.encode(), tmp_path / "robot.urdf", PACKAGES)
+    return Robot(twin.built.plans[0].description.text.encode(), tmp_path / "robot.urdf", PACKAGES)
 
 
 def test_what_counts_as_used_is_used(robot):

@@ -130,4 +130,4 @@ def test_a_twin_warns_of_it(tmp_path):
     robot = tmp_path / "r.urdf"
     robot.write_text(urdf(of("left", "<kp>1e6</kp><mu1>0.5</mu1>"), links=("left",)).replace("<link name='bare'/>", ""))
     twin = TwinBuilder().robot("r", robot, xyz=(0, 0, 2)).build()
-    assert twin.warnings == (f"r: kp of left: {STIFFNESS} (r.urdf:1)",)
+    assert twin.findings.warnings == (f"r: kp of left: {STIFFNESS} (r.urdf:1)",)

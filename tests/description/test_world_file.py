@@ -275,8 +275,8 @@ def test_a_model_whose_parts_share_a_name_is_there(tmp_path, body, said):
     world = world_of(tmp_path, f'<model name="h"><static>1</static>{body}</model>')
     assert [finding.what for finding in world.findings] == [f"h: {said}"]
     twin = TwinBuilder(world=World(file=str(tmp_path / "test.world"))).robot("r", tmp_path / "r.urdf").build()
-    assert not [text for text in twin.warnings if "Drake refuses" in text]
-    assert [shape for shape in twin.collision_shapes if not shape.model]
+    assert not [text for text in twin.findings.warnings if "Drake refuses" in text]
+    assert [shape for shape in twin.built.shapes if not shape.model]
 
 
 def test_plugins_whose_work_the_twin_does_are_passed_over(tmp_path):

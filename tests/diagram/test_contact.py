@@ -31,7 +31,7 @@ def twin_of(folder, urdf, world=None, **options):
 
 def touching(twin, body):
     index = twin.plant.GetBodyByName(body).index()
-    (found,) = [(type(item.shape), item.touches) for item in twin.collision_shapes if item.body == index]
+    (found,) = [(type(item.shape), item.touches) for item in twin.built.shapes if item.body == index]
     return found
 
 
@@ -59,7 +59,7 @@ def test_a_robot_can_touch_in_points(tmp_path):
     assert touching(twin, "base") == (Box, "point")
     assert touching(twin, "part") == (Ellipsoid, "wheel")
     twin.advance_to(1.0)
-    assert 0.04 < twin.entity_state("cart").position[2] < 0.2
+    assert 0.04 < twin.entities.state("cart").position[2] < 0.2
 
 
 def test_a_world_can_be_touched_in_points(tmp_path):
@@ -71,7 +71,7 @@ def test_a_world_can_be_touched_in_points(tmp_path):
     )
     for contact, touches in (("hydroelastic", "faces"), ("point", "point")):
         twin = twin_of(tmp_path, cart(), World(file=str(world), contact=contact))
-        assert {item.touches for item in twin.collision_shapes if not item.model} == {touches}
+        assert {item.touches for item in twin.built.shapes if not item.model} == {touches}
         assert touching(twin, "base") == (Box, "faces")
 
 
@@ -93,7 +93,7 @@ def test_a_mesh_that_cannot_yield_touches_in_a_point_and_says_so(tmp_path, size,
     twin.advance_to(1.0)
     assert touching(twin, "part") == (Convex, touches)
     said = "cart: a collision shape of part touches in a point: Drake cannot compute its pressure"
-    assert (said in twin.warnings) == (touches == "point")
+    assert (said in twin.findings.warnings) == (touches == "point")
 
 
 @pytest.mark.parametrize("contact", ["hydroelastic", "point"])

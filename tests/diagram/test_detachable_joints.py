@@ -48,7 +48,7 @@ def crane(tmp_path):
 
 def offset(twin):
     """Of the crate from the trolley: position (m), then rotation vector (rad)."""
-    state = twin.entity_state("crate", "crane::trolley")
+    state = twin.entities.state("crate", "crane::trolley")
     w, *axis = state.orientation
     angle = 2 * np.arctan2(np.linalg.norm(axis), w)
     return np.array([*state.position, *(angle * np.array(axis) / np.linalg.norm(axis))])
@@ -73,7 +73,7 @@ def test_what_is_attached_keeps_its_pose_while_its_parent_speeds_up_and_brakes(c
         for _ in range(20):
             twin.advance_to(twin.time + 0.02)
             worst = max(worst, np.abs(offset(twin) - before).max())
-        assert twin.entity_state("crate").linear[0] == pytest.approx(velocity, abs=1e-3)
+        assert twin.entities.state("crate").linear[0] == pytest.approx(velocity, abs=1e-3)
     assert 0 < worst < bound
 
 
@@ -91,14 +91,14 @@ def test_two_free_bodies_tumble_as_one(tmp_path, time_step, bound):
     world = World(file=str(tmp_path / "w.sdf"), gravity=(0, 0, 0))
     twin = TwinBuilder(world=world, time_step=time_step).robot("sat", tmp_path / "sat.sdf", xyz=(0, 0, 3)).build()
     turn = np.array([0.3, 1.0, 2.0])
-    way = np.array(twin.entity_state("crate").position) - (0, 0, 3)
-    twin.set_entity_state("sat", angular=turn)
-    state = twin.entity_state("crate")
+    way = np.array(twin.entities.state("crate").position) - (0, 0, 3)
+    twin.entities.set_state("sat", angular=turn)
+    state = twin.entities.state("crate")
     assert (state.angular, state.linear) == (pytest.approx(turn), pytest.approx(np.cross(turn, way)))
-    before = twin.entity_state("crate", "sat").position
+    before = twin.entities.state("crate", "sat").position
     for _ in range(20):
         twin.advance_to(twin.time + 0.1)
-        assert np.abs(np.subtract(twin.entity_state("crate", "sat").position, before)).max() < bound
+        assert np.abs(np.subtract(twin.entities.state("crate", "sat").position, before)).max() < bound
 
 
 BAR = """<link name="{name}"><inertial><origin xyz="{middle} 0 0"/><mass value="{mass}"/>
@@ -136,12 +136,12 @@ def test_it_closes_a_loop_of_one_robot(tmp_path, time_step, bound):
     robot = f'<robot name="bars"><link name="world"/>{bars}{tip}<gazebo>{plugins}</gazebo></robot>'
     (tmp_path / "bars.urdf").write_text(robot)
     twin = TwinBuilder(time_step=time_step).robot("bars", tmp_path / "bars.urdf").build()
-    before = twin.entity_state("bars::pin", "bars::tip").position
+    before = twin.entities.state("bars::pin", "bars::tip").position
     for number, angle in enumerate((0.3, -0.3, 0.2)):
         twin.publish("/bars/both", {"data": angle})
         for part in range(4):
             twin.advance_to(0.5 * number + 0.125 * part + 0.125)
-            assert twin.entity_state("bars::pin", "bars::tip").position == pytest.approx(before, abs=bound)
+            assert twin.entities.state("bars::pin", "bars::tip").position == pytest.approx(before, abs=bound)
         assert twin.robot_state("bars").positions[0] == pytest.approx(angle, abs=0.05)
 
 
@@ -150,17 +150,17 @@ def test_it_weighs_on_its_parent(crane):
     twin = crane()
     drive(twin, 1e3)
     twin.advance_to(0.1)
-    assert twin.entity_state("crate").linear[0] == pytest.approx(200 / 7 * 0.1, rel=1e-6)
+    assert twin.entities.state("crate").linear[0] == pytest.approx(200 / 7 * 0.1, rel=1e-6)
 
 
 def test_what_is_let_go_falls_freely_with_the_speed_that_it_had(crane):
     twin = crane(pose="0 0 2 0 0 0")
     drive(twin, 1.0)
     twin.advance_to(1.0)
-    start = twin.entity_state("crate")
+    start = twin.entities.state("crate")
     twin.publish(DETACH, {})
     twin.advance_to(1.5)
-    now = twin.entity_state("crate")
+    now = twin.entities.state("crate")
     fallen = start.position[2] - now.position[2]
     assert fallen == pytest.approx(G * 0.5**2 / 2 + G * 0.5 * 0.001 / 2, abs=1e-6)  # and a half step of Euler's
     assert now.position[0] - start.position[0] == pytest.approx(0.5, abs=1e-4)
@@ -175,11 +175,11 @@ def test_it_is_attached_again_where_it_is_then_and_each_change_is_told_once(cran
     twin.advance_to(0.3)
     twin.publish(ATTACH, {})
     twin.advance_to(0.4)
-    height = twin.entity_state("crate").position[2]
+    height = twin.entities.state("crate").position[2]
     drive(twin, 0.5)
     twin.publish(ATTACH, {})  # it is already
     twin.advance_to(0.8)
-    assert twin.entity_state("crate").position[2] == pytest.approx(height, abs=1e-5)
+    assert twin.entities.state("crate").position[2] == pytest.approx(height, abs=1e-5)
     assert height == pytest.approx(2 - G * 0.2**2 / 2, abs=2e-3)
     assert heard == [(0.01, "attached"), (0.11, "detached"), (0.31, "attached")]
 
@@ -188,10 +188,10 @@ def test_while_attached_the_two_do_not_touch_and_then_they_do(crane):
     """The crate's corner is 3 cm deep in the trolley: nothing moves it until it is let go; then it is pushed out."""
     twin = crane()
     twin.advance_to(0.1)
-    assert twin.entity_state("crate").linear == pytest.approx((0, 0, 0), abs=1e-6)
+    assert twin.entities.state("crate").linear == pytest.approx((0, 0, 0), abs=1e-6)
     twin.publish(DETACH, {})
     twin.advance_to(0.11)
-    assert abs(twin.entity_state("crate").linear[0]) > 0.05
+    assert abs(twin.entities.state("crate").linear[0]) > 0.05
 
 
 def test_a_run_goes_on_from_a_snapshot_a_reset_and_a_rebuild_with_what_was_attached(crane):
@@ -209,29 +209,29 @@ def test_a_run_goes_on_from_a_snapshot_a_reset_and_a_rebuild_with_what_was_attac
     twin.restore(snapshot)
     twin.advance_to(0.6)
     assert twin.state_sha256() == after
-    twin.set_time_step(0.002)  # builds the diagram again
+    twin.clock.set_time_step(0.002)  # builds the diagram again
     twin.advance_to(0.9)
     assert offset(twin) == pytest.approx(held, abs=1e-5)
     twin.reset()
     twin.advance_to(0.5)
-    assert twin.entity_state("crate").position == pytest.approx((0, 0, 2), abs=1e-5)
+    assert twin.entities.state("crate").position == pytest.approx((0, 0, 2), abs=1e-5)
 
 
 def test_what_is_put_elsewhere_is_attached_there(crane):
     twin = crane(pose="0 0 2 0 0 0")
-    twin.place("crate", (0.5, 0, 1.5))
+    twin.entities.place("crate", (0.5, 0, 1.5))
     twin.advance_to(0.5)
-    assert twin.entity_state("crate").position == pytest.approx((0.5, 0, 1.5), abs=1e-5)
+    assert twin.entities.state("crate").position == pytest.approx((0.5, 0, 1.5), abs=1e-5)
 
 
 def test_what_is_attached_comes_along_with_its_parent(crane, tmp_path):
     twin = crane(pose="0 0 2 0.2 0 0")
-    twin.set_joint_positions("crane", {"slide": 0.7})
-    assert twin.entity_state("crate").position == pytest.approx((0.7, 0, 2))
-    twin.place("crane", (1, 0, 4), (0, 0, np.pi / 2))
-    assert twin.entity_state("crate").position == pytest.approx((1, 0.7, 3))
+    twin.entities.set_joint_positions("crane", {"slide": 0.7})
+    assert twin.entities.state("crate").position == pytest.approx((0.7, 0, 2))
+    twin.entities.place("crane", (1, 0, 4), (0, 0, np.pi / 2))
+    assert twin.entities.state("crate").position == pytest.approx((1, 0.7, 3))
     twin.advance_to(0.5)
-    assert twin.entity_state("crate").position == pytest.approx((1, 0.7, 3), abs=1e-5)
+    assert twin.entities.state("crate").position == pytest.approx((1, 0.7, 3), abs=1e-5)
 
 
 def test_a_model_that_comes_later_is_attached_when_it_comes(crane, tmp_path):
@@ -245,10 +245,10 @@ def test_a_model_that_comes_later_is_attached_when_it_comes(crane, tmp_path):
     assert finding.lines
     twin.advance_to(0.1)
     (tmp_path / "crate.sdf").write_text(f"<sdf version='1.9'>{CRATE.format(pose='0 0 0 0 0 0')}</sdf>")
-    twin.spawn(Robot("crate", str(tmp_path / "crate.sdf"), xyz=(0, 0, 2)))
+    twin.entities.spawn(Robot("crate", str(tmp_path / "crate.sdf"), xyz=(0, 0, 2)))
     twin.advance_to(0.5)
-    assert twin.entity_state("crate").position == pytest.approx((0, 0, 2), abs=1e-5)
-    twin.delete("crate")
+    assert twin.entities.state("crate").position == pytest.approx((0, 0, 2), abs=1e-5)
+    twin.entities.delete("crate")
     twin.advance_to(0.6)
     assert twin.robots == ("crane",)
 
@@ -256,10 +256,10 @@ def test_a_model_that_comes_later_is_attached_when_it_comes(crane, tmp_path):
 def test_its_topics_are_the_files(crane):
     tags = {"detach_topic": "/a/let_go", "attach_topic": "/a/take", "output_topic": "/a/is"}
     twin = crane(more="".join(f"<{tag}>{name}</{tag}>" for tag, name in tags.items()))
-    assert {"/crane/a/let_go", "/crane/a/take"} < twin.commanded.keys()
-    assert twin.topics()["/crane/a/is"] == "std_msgs/msg/String"
+    assert {"/crane/a/let_go", "/crane/a/take"} < twin.built.commanded.keys()
+    assert twin.graph.topics()["/crane/a/is"] == "std_msgs/msg/String"
     older = crane(more="<topic>/a/let_go</topic>")
-    assert {"/crane/a/let_go", ATTACH} < older.commanded.keys()
+    assert {"/crane/a/let_go", ATTACH} < older.built.commanded.keys()
 
 
 @pytest.mark.parametrize(
@@ -283,7 +283,7 @@ def test_a_joint_that_cannot_be_is_not_started(crane, monkeypatch, before, after
 def test_cenic_has_the_joint_or_says_that_this_drake_has_not(crane):
     twin = crane(pose="0 0 2 0 0 0", engine="cenic", accuracy=1e-4)
     twin.advance_to(0.3)
-    held = twin.entity_state("crate").position[2]
+    held = twin.entities.state("crate").position[2]
     if cenic_has_constraints("AddDistanceConstraint", 1.0):
         assert held == pytest.approx(2.0, abs=1e-3)
         return
@@ -300,20 +300,20 @@ def test_a_step_that_fails_is_taken_back_with_what_it_was_to_detach(crane, monke
         patch.setattr("drake_twin.twin.physics.Physics.settle", lambda self: False)
         with pytest.raises(RunError):
             twin.advance_to(0.2)
-    assert (twin.time, twin.entity_state("crate").position[2]) == (0.1, pytest.approx(2, abs=1e-5))
+    assert (twin.time, twin.entities.state("crate").position[2]) == (0.1, pytest.approx(2, abs=1e-5))
     twin.advance_to(0.3)  # the message is still to come
-    assert twin.entity_state("crate").position[2] == pytest.approx(2 - G * 0.2**2 / 2, abs=2e-3)
+    assert twin.entities.state("crate").position[2] == pytest.approx(2 - G * 0.2**2 / 2, abs=2e-3)
 
 
 @pytest.mark.parametrize("time_step", [0.001, 0.01])
 def test_a_recording_of_attaching_and_letting_go_ends_in_the_same_state(tmp_path, crane, time_step):
     twin = crane(time_step=time_step)
-    twin.record()
+    twin.recorder.begin()
     for time, topic in ((0.2, None), (0.4, DETACH), (0.45, ATTACH), (0.8, DETACH), (1.5, None)):
         drive(twin, 1.0 - time)
         twin.advance_to(time)
         if topic is not None:
             twin.publish(topic, {})
-    twin.recording().save(tmp_path / "run.json")
+    twin.recorder.recording().save(tmp_path / "run.json")
     assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == twin.state_sha256()
-    assert twin.entity_state("crate").position[2] < 1.0, "it was let go"
+    assert twin.entities.state("crate").position[2] < 1.0, "it was let go"

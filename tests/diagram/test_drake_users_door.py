@@ -64,7 +64,7 @@ def test_her_inverse_dynamics_controller_brings_the_joint_where_it_should_be(pen
 
 def test_without_a_value_nothing_is_written_and_the_joint_swings_as_a_free_one(pendulum):
     twin = driven(pendulum).build()
-    twin.set_joint_positions("p", {"hinge": 0.1})
+    twin.entities.set_joint_positions("p", {"hinge": 0.1})
     twin.advance_to(0.001)
     (velocity,) = twin.robot_state("p").velocities
     inertia = 0.01 + 2 * 0.5**2
@@ -151,7 +151,7 @@ def test_her_systems_state_is_in_the_snapshot_and_survives_a_spawn(tmp_path):
     assert count_of(twin) == 50
     twin.snapshot().save(tmp_path / "state.json")
     before = twin.state_sha256()
-    twin.spawn(Robot("second", ROVER, xyz=(0, 2, 0.13)))
+    twin.entities.spawn(Robot("second", ROVER, xyz=(0, 2, 0.13)))
     assert count_of(twin) == 50
     twin.advance_to(0.6)
     assert count_of(twin) == 60

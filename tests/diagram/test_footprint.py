@@ -4,7 +4,7 @@ from conftest import ROVER
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.diagram.footprint import footprint
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.scenario import Robot
 
 LINK = """<robot name="r"><link name="base"><inertial><mass value="1"/>

@@ -71,7 +71,7 @@ def driven(twin, command, until=3.0, robot="sled"):
 )
 def test_the_base_has_the_commanded_velocity_although_its_feet_rub(sled, command):
     twin = TwinBuilder().robot("sled", sled, xyz=(1, 2, 0), rpy=(0, 0, 0.7)).build()
-    assert (twin.not_started, twin.warnings) == ((), ())
+    assert (twin.findings.not_started, twin.findings.warnings) == ((), ())
     reached = driven(twin, twist(*command))
     assert reached == pytest.approx(command, abs=0.01 * np.abs(command).max())
 
@@ -182,15 +182,15 @@ def test_the_joints_under_the_base_do_not_show(sled):
     frames = [item.child_frame_id for topic in ("/tf", "/tf_static") for item in twin.latest(topic).transforms]
     assert sorted(frames) == ["sled/base_footprint", "sled/base_link", "sled/flag"]
     assert twin.robot_state("sled").joints == ("mast",)
-    assert list(twin.start_positions("sled")) == ["mast"]
-    assert [joint.name for joint in twin.plans[0].description.joints] == ["base_joint", "mast"]
+    assert list(twin.entities.start_positions("sled")) == ["mast"]
+    assert [joint.name for joint in twin.built.plans[0].description.joints] == ["base_joint", "mast"]
     with pytest.raises(InputError, match=r"no movable joint 'base\.linear\.x'"):
-        twin.set_joint_positions("sled", {"base.linear.x": 1.0})
+        twin.entities.set_joint_positions("sled", {"base.linear.x": 1.0})
 
 
 def test_its_controller_claims_the_base_and_lets_go_of_it(sled):
     twin = TwinBuilder().robot("sled", sled).build()
-    manager = twin.controller_manager("sled")
+    manager = twin.control.manager("sled")
     commands, _ = manager.list_hardware_interfaces()
     assert [(item.name, item.is_claimed) for item in commands] == [
         ("base.linear.x/velocity", True),
@@ -212,7 +212,7 @@ def test_its_controller_claims_the_base_and_lets_go_of_it(sled):
 def test_an_emergency_stop_brings_it_to_rest(sled):
     twin = TwinBuilder().robot("sled", sled).build()
     driven(twin, twist(0.5, 0, 1.0))
-    twin.emergency_stop("sled")
+    twin.control.emergency_stop("sled")
     twin.advance_to(5.0)
     velocity = twin.latest("/sled/ground_truth/odom").twist.twist
     assert (velocity.linear.x, velocity.linear.y, velocity.angular.z) == pytest.approx((0, 0, 0), abs=1e-3)
@@ -248,7 +248,7 @@ def test_a_base_that_is_fixed_to_the_world_is_not_moved(sled):
         )
     )
     twin = TwinBuilder().robot("sled", sled).build()
-    (reason,) = twin.not_started
+    (reason,) = twin.findings.not_started
     assert "it moves the base, which is fixed to the world (sled.urdf:" in reason
 
 
@@ -268,7 +268,7 @@ def test_linorobots_mecanum_base_drives_as_its_plugin_says(corpus):
     file = corpus / "linorobot2/linorobot2_description/urdf/robots/mecanum.urdf.xacro"
     builder = TwinBuilder().robot("lino", file, xyz=(1, 2, 0.0), rpy=(0, 0, 1.0))
     twin = builder.robot("other", file, xyz=(-3, 0, 0.0)).build()
-    assert [text for text in twin.not_started if "sensor" not in text] == []
+    assert [text for text in twin.findings.not_started if "sensor" not in text] == []
     assert driven(twin, twist(0.4, -0.2, 0.5), robot="lino") == pytest.approx((0.4, -0.2, 0.5), abs=0.004)
     odometry = twin.latest("/lino/odom/unfiltered").pose.pose.position
     assert (odometry.x, odometry.y) == pytest.approx(pose(twin, "lino")[:2], abs=1e-12)

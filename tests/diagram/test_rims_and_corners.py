@@ -99,7 +99,7 @@ def test_corners_meet_what_does_not_move_and_is_thick_and_nothing_else(tmp_path)
     met = {other for pair in names for name, other in (pair, pair[::-1]) if "|corner" in name}
     assert len(met) == 1
     assert "block" in met.pop()
-    assert not [item for item in twin.collision_shapes if isinstance(item.shape, Sphere) and item.model != "thing2"]
+    assert not [item for item in twin.built.shapes if isinstance(item.shape, Sphere) and item.model != "thing2"]
 
 
 def test_the_corners_of_boxes_need_no_scipy(tmp_path):
@@ -114,7 +114,7 @@ def test_the_corners_of_boxes_need_no_scipy(tmp_path):
 def test_hundreds_of_loose_boxes_have_no_corners_and_that_is_said(tmp_path):
     twin = things(tmp_path, *['<box size="0.1 0.1 0.1"/>'] * 41)
     assert not [*points(twin, "corner")]
-    (said,) = [text for text in twin.warnings if "loose" in text]
+    (said,) = [text for text in twin.findings.warnings if "loose" in text]
     assert said == (
         "the world has 41 loose boxes and meshes: above 40 they touch with their faces only, so that slim ones fall"
         " over too early"

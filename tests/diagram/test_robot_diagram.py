@@ -41,7 +41,7 @@ def test_rates_beyond_the_physics_are_said_of_broadcasters_and_the_manager_too(r
         f"slow: {{ros__parameters: {{{own}joints: [joint_1]}}}}\n"
     )
     twin = TwinBuilder(time_step=0.01).robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
-    assert [text for text in twin.warnings if "Hz" in text] == [
+    assert [text for text in twin.findings.warnings if "Hz" in text] == [
         f"arm: controller {text} is higher than that of the physics, which steps every 0.01 s: reduced to 100 Hz"
         for text in expected
     ]
@@ -72,12 +72,12 @@ def test_goals_that_end_at_any_update_leave_no_step_out_and_make_none_twice(step
         ends.append(twin.time)
         points = [{"positions": [0.0], "time_from_start": 0.9 / rate}]
         goal = {"trajectory": {"joint_names": ["joint_1"], "points": points}}
-        twin.send_goal("/arm/c/follow_joint_trajectory", goal, again)
+        twin.graph.send_goal("/arm/c/follow_joint_trajectory", goal, again)
 
     again(None)
     twin.advance_to(600 * step)
     assert len(ends) > 10
-    velocity = twin.entity_state("ball").linear[2]
+    velocity = twin.entities.state("ball").linear[2]
     assert velocity == pytest.approx(-9.81 * twin.time, rel=1e-9)
 
 
@@ -89,7 +89,7 @@ def test_a_callback_of_a_result_that_is_refused_ends_nothing_but_itself(tmp_path
     twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
     points = [{"positions": [0.1], "time_from_start": 0.1}]
     goal = {"trajectory": {"joint_names": ["joint_1"], "points": points}}
-    twin.send_goal("/arm/c/follow_joint_trajectory", goal, lambda goal: twin.reset())
+    twin.graph.send_goal("/arm/c/follow_joint_trajectory", goal, lambda goal: twin.reset())
     twin.advance_to(0.5)
     assert twin.time == 0.5
     assert "the callback of the goal for c: a callback cannot reset" in caplog.text

@@ -100,7 +100,7 @@ CASES = [(1.0, 0.0, *case) for case in ALONG.items()] + [(0.0, 1.0, *case) for c
 @pytest.mark.parametrize(("mu", "mu2", "command", "there"), CASES)
 def test_a_mecanum_base_goes_where_gazebos_goes(tmp_path, settings, mu, mu2, command, there):
     twin = build(tmp_path, mecanum(mu=mu, mu2=mu2), **settings)
-    assert (twin.not_started, twin.warnings) == ((), ())
+    assert (twin.findings.not_started, twin.findings.warnings) == ((), ())
     twin.advance_to(0.5)
     linear = {"x": float(command[0]), "y": float(command[1])}
     twin.publish("/base/cmd_vel", {"linear": linear, "angular": {"z": float(command[2])}})
@@ -149,7 +149,7 @@ def test_no_wheel_slips_along_its_direction(tmp_path, seed):
         direction = np.array([1, -1 if x * y > 0 else 1])
         speeds[f"{name}_joint"] = float(at_wheel @ direction / RADIUS)
     twin = driven(tmp_path, urdf(), speeds)
-    assert (twin.not_started, twin.warnings) == ((), ())
+    assert (twin.findings.not_started, twin.findings.warnings) == ((), ())
     assert velocity(twin) == pytest.approx([forwards, left, turn], abs=2e-3)
 
 
@@ -162,7 +162,7 @@ def test_a_collision_in_gazebos_tag_says_the_same(tmp_path):
     )
     twin = build(tmp_path, blob)
     assert twin.findings == ()
-    assert twin.plans[0].description.surfaces["front_left"].frictions == (Friction(1.0, 0.0),)
+    assert twin.built.plans[0].description.surfaces["front_left"].frictions == (Friction(1.0, 0.0),)
     speeds = {"front_left_joint": -5.0, "front_right_joint": 5.0, "rear_left_joint": 5.0, "rear_right_joint": -5.0}
     assert velocity(driven(tmp_path, blob, speeds)) == pytest.approx([0, 0.4, 0], abs=1e-5)
 
@@ -177,7 +177,7 @@ def test_on_the_moon_a_base_grips_with_its_weight_there(tmp_path):
 def test_a_planar_move_plugin_moves_the_base_in_place_of_its_wheels(tmp_path):
     plugin = '<gazebo><plugin name="move" filename="libgazebo_ros_planar_move.so"/></gazebo></robot>'
     twin = build(tmp_path, urdf().replace("</robot>", plugin))
-    kinds = {controller.type for controller in twin.plans[0].controllers}
+    kinds = {controller.type for controller in twin.built.plans[0].controllers}
     assert "gazebo_ros/PlanarMove" in kinds
     assert "drake_twin/RollerWheels" not in kinds
 
@@ -212,4 +212,4 @@ def test_what_is_stronger_than_the_friction_stops_the_base(tmp_path):
 def test_any_other_direction_of_friction_is_a_finding(tmp_path, text, why):
     twin = build(tmp_path, text)
     assert any("friction is the same in all directions" in finding.what for finding in twin.findings), why
-    assert not twin.plans[0].description.base_joints
+    assert not twin.built.plans[0].description.base_joints

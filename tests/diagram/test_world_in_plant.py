@@ -161,7 +161,7 @@ def test_models_in_a_static_model_stand_where_they_belong(tmp_path):
     shape = "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>"
     inner = f"<model name='i'><pose>0 3 0 0 0 0</pose><link name='l'>{shape}</link></model>"
     twin = twin_in(tmp_path, f"<model name='o'><static>1</static><pose>9 0 0 0 0 0</pose>{inner}</model>")
-    assert twin.warnings == ()
+    assert twin.findings.warnings == ()
     geometry = next(iter(twin.plant.GetCollisionGeometriesForBody(twin.plant.world_body())))
     inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
     assert inspector.GetPoseInFrame(geometry).translation() == pytest.approx([9, 3, 0])
@@ -188,7 +188,7 @@ def test_a_terrain_too_fine_for_the_plant_is_made_coarser_and_said_to_be(tmp_pat
     assert twin.plant.NumBodiesWithName("static_world") == 0
     world = twin.plant.world_body()
     assert 100 < len(twin.plant.GetCollisionGeometriesForBody(world)) <= 1200
-    assert any("have too many faces for contact" in warning for warning in twin.warnings)
+    assert any("have too many faces for contact" in warning for warning in twin.findings.warnings)
     twin.advance_to(1.0)
     assert 0 < twin.robot_state("robot_1").base_pose[2] < 0.4
 
@@ -291,5 +291,5 @@ def test_friction_that_acts_otherwise_in_a_large_world_is_told_only_where_that_s
     robot = f"<model name='r'><link name='l'>{box.format(surface.format(friction))}</link></model>"
     (tmp_path / "r.sdf").write_text(f"<sdf version='1.9'>{robot}</sdf>")
     twin = TwinBuilder(world=World(file=str(tmp_path / "w.sdf"), ground=False)).robot("r", tmp_path / "r.sdf").build()
-    about = [text.partition(" acts as ")[2] for text in twin.warnings if "too many shapes" in text]
+    about = [text.partition(" acts as ")[2] for text in twin.findings.warnings if "too many shapes" in text]
     assert about == ([] if acts is None else [acts])

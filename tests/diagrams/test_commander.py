@@ -25,7 +25,7 @@ def test_two_robots_drive_and_the_replay_ends_in_the_same_state():
     """A wheel at 3 (or 6) rad/s on average rolls 2 s · 3 rad/s · radius: sin has no part in the mean over 2 s."""
     port = free_port()
     with rovers(2).build() as twin:
-        twin.record()
+        twin.recorder.begin()
         seam = connect(twin, [ZenohWire(domain=0, port=port)])
         try:
             command = [sys.executable, str(PROGRAM), f"127.0.0.1:{port}"]
@@ -45,8 +45,8 @@ def test_two_robots_drive_and_the_replay_ends_in_the_same_state():
             state = twin.robot_state(name)
             assert state.base_pose[0] == pytest.approx(distance, rel=0.1)
             np.testing.assert_allclose(state.velocities, 0, atol=0.05)
-            assert list(twin.command(f"/{name}/forward_velocity_controller/commands").data) == [0.0] * 4
-        commands = [call for call in twin.recording().calls if call.name == "publish"]
+            assert list(twin.graph.command(f"/{name}/forward_velocity_controller/commands").data) == [0.0] * 4
+        commands = [call for call in twin.recorder.recording().calls if call.name == "publish"]
         assert len(commands) >= 100  # 100 Hz to two robots, some of which meet in one step
-        with replay(twin.recording()) as again:
+        with replay(twin.recorder.recording()) as again:
             assert again.state_sha256() == twin.state_sha256()

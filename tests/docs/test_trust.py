@@ -84,10 +84,10 @@ def with_node():
 
 def test_the_nodes_of_a_scenario_and_of_a_saved_state_run_and_those_of_a_recording_do_not():
     with with_node().build() as twin:
-        twin.record()
+        twin.recorder.begin()
         twin.step()
         twin.snapshot().save("state.json")
-        twin.recording().save("run.json")
+        twin.recorder.recording().save("run.json")
     Path("scenario.yaml").write_text("robots: [{name: r, model: r.urdf}]\nnodes: [{executable: node.py}]\n")
     for arguments, runs in (
         (["--replay", "run.json", "--headless", "--end-with-recording"], False),
@@ -200,7 +200,7 @@ def test_a_file_may_name_every_file_that_the_user_can_read(folder):
     (folder / "elsewhere").mkdir()
     (folder / "elsewhere" / "secret.yaml").write_text("SECRET")
     robot(name="l${xacro.load_yaml('elsewhere/../elsewhere/secret.yaml')}_$(env PATH)", more=XACRO)
-    (name,) = TwinBuilder().robot("r", "r.urdf").build().plans[0].description.links
+    (name,) = TwinBuilder().robot("r", "r.urdf").build().built.plans[0].description.links
     assert name == f"lSECRET_{os.environ['PATH']}"
 
 

@@ -60,13 +60,13 @@ def test_a_parameters_file_names_its_type(others, files):
     twin.advance_to(0.5)
     swings(twin.robot_state("arm").positions[0])
     assert twin.findings == ()
-    assert "others_pkg/Wave" in twin.controller_manager("arm").list_controller_types()
+    assert "others_pkg/Wave" in twin.control.manager("arm").list_controller_types()
 
 
 def test_the_builder_adds_it_with_parameters_and_its_topic_works(others, files):
     builder = TwinBuilder().robot("arm", files / "arm.urdf")
     twin = builder.controller("arm", "wave", "others_pkg/Wave", {"joint": "j", "amplitude": 0.0}).build()
-    assert twin.topics()["/arm/wave/offset"] == "std_msgs/msg/Float64MultiArray"
+    assert twin.graph.topics()["/arm/wave/offset"] == "std_msgs/msg/Float64MultiArray"
     twin.publish("/arm/wave/offset", [3.0])
     twin.advance_to(1.0)
     assert twin.robot_state("arm").velocities[0] == pytest.approx(3.0, rel=1e-3)
@@ -167,7 +167,7 @@ def test_a_sensor_of_others_publishes_what_it_measures(others, files):
     (files / "stone.urdf").write_text(DROP)
     twin = TwinBuilder().robot("stone", files / "stone.urdf", xyz=(0, 0, 50.0)).build()
     assert [finding.what for finding in twin.findings if "height" in finding.what] == []
-    assert twin.topics()["/stone/altitude"] == "std_msgs/msg/Float64"
+    assert twin.graph.topics()["/stone/altitude"] == "std_msgs/msg/Float64"
     heights = []
     twin.subscribe("/stone/altitude", lambda message: heights.append(message.data))
     twin.advance_to(1.0)
@@ -196,7 +196,7 @@ def test_two_classes_of_one_type_are_refused(others):
 def test_a_spawned_robot_may_have_it_too(others, files):
     twin = TwinBuilder().robot("rover", ROVER, xyz=(0, 0, 0.13)).build()
     added = {"wave": {"type": "others_pkg/Wave", "joint": "j", "amplitude": 2.0}}
-    twin.spawn(Robot("arm", str(files / "arm.urdf"), added_controllers=added))
+    twin.entities.spawn(Robot("arm", str(files / "arm.urdf"), added_controllers=added))
     twin.advance_to(0.5)
     swings(twin.robot_state("arm").positions[0])
     assert np.isfinite(twin.robot_state("rover").positions).all()

@@ -23,7 +23,7 @@ def rovers():
 
 
 def test_the_rovers_topics_are_what_ros_would_name_them(rovers):
-    topics = Twin(rovers.scenario).topics()
+    topics = Twin(rovers.scenario).graph.topics()
     expected = {"/clock", "/tf", "/tf_static", "/model_states", "/link_states"}
     for name in ("/robot_1", "/robot_2"):
         expected |= {
@@ -43,7 +43,7 @@ def test_the_rovers_topics_are_what_ros_would_name_them(rovers):
 def test_a_chain_of_spawners_is_active_at_time_zero(rovers):
     twin = Twin(rovers.scenario)
     for robot in twin.robots:
-        states = [(item.name, item.state) for item in twin.controller_manager(robot).list_controllers()]
+        states = [(item.name, item.state) for item in twin.control.manager(robot).list_controllers()]
         assert states == [
             ("joint_state_broadcaster", "active"),
             ("forward_velocity_controller", "active"),
@@ -158,7 +158,7 @@ def test_a_frame_that_has_a_parent_is_left_out_and_the_robot_runs(tmp_path, pare
     launch = launched_hinge(tmp_path, *entities)
     assert not_started(launch.scenario) == (f"tf2_ros/static_transform_publisher ({reason})",)
     assert [item.child for item in launch.scenario.static_transforms] == ["camera"]
-    assert "/tf" in Twin(launch.scenario).topics()
+    assert "/tf" in Twin(launch.scenario).graph.topics()
 
 
 def test_a_frame_publisher_with_both_forms_is_named_with_its_line(tmp_path):
@@ -207,7 +207,7 @@ def test_one_bridge_names_the_topics_of_two_robots(tmp_path):
         for gz_name, ros_name in (("cmd_vel", "cmd_vel"), ("odometry", "odom"))
     ]
     launch = launched(tmp_path, *carts, node("ros_gz_bridge", "parameter_bridge", *words, remappings=remappings))
-    topics = Twin(launch.scenario).topics()
+    topics = Twin(launch.scenario).graph.topics()
     assert {"/a/cmd_vel", "/a/odom", "/b/cmd_vel", "/b/odom"} <= set(topics)
     assert not [topic for topic in topics if topic.startswith("/model/")]
     assert not_started(launch.scenario) == ()
@@ -216,7 +216,7 @@ def test_one_bridge_names_the_topics_of_two_robots(tmp_path):
 def test_a_bridge_without_remappings_carries_gazebos_names(tmp_path):
     words = ["/model/a/cmd_vel@geometry_msgs/msg/Twist]gz.msgs.Twist", "/model/a/odometry@nav_msgs/msg/Odometry[x"]
     spawn = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a")
-    topics = Twin(launched(tmp_path, spawn, node("ros_gz_bridge", "parameter_bridge", *words)).scenario).topics()
+    topics = Twin(launched(tmp_path, spawn, node("ros_gz_bridge", "parameter_bridge", *words)).scenario).graph.topics()
     assert {"/model/a/cmd_vel", "/model/a/odometry"} < topics.keys()
     assert not topics.keys() & {"/cmd_vel", "/a/cmd_vel"}
 
@@ -281,7 +281,7 @@ def test_a_bridges_file_names_topics_too(tmp_path):
         create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a"),
         node("ros_gz_bridge", "parameter_bridge", namespace="sim", parameters=[{"config_file": str(file)}]),
     ]
-    assert "/sim/drive" in Twin(launched(tmp_path, *entities).scenario).topics()
+    assert "/sim/drive" in Twin(launched(tmp_path, *entities).scenario).graph.topics()
 
 
 def test_a_bridges_file_that_something_else_would_write_is_not_said_to_be_refused(tmp_path):
@@ -309,9 +309,9 @@ def test_a_drive_listens_to_stamped_messages_where_the_bridge_has_them(tmp_path,
         options, words = {}, ["/model/a/cmd_vel@geometry_msgs/msg/TwistStamped]gz.msgs.Twist"]
     spawn = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a", "-z", 0.1)
     twin = Twin(launched(tmp_path, spawn, node("ros_gz_bridge", "parameter_bridge", *words, **options)).scenario)
-    (topic,) = [name for name, kind in twin.topics().items() if kind == "geometry_msgs/msg/TwistStamped"]
+    (topic,) = [name for name, kind in twin.graph.topics().items() if kind == "geometry_msgs/msg/TwistStamped"]
     assert topic.endswith("cmd_vel")
-    assert "geometry_msgs/msg/Twist" not in twin.topics().values()
+    assert "geometry_msgs/msg/Twist" not in twin.graph.topics().values()
     twin.publish(topic, {"twist": {"linear": {"x": 0.5}}})
     twin.advance_to(0.5)
     assert max(map(abs, twin.robot_state("a").velocities)) > 0.5

@@ -195,7 +195,7 @@ def test_two_robots_in_one_namespace_are_kept_apart_and_both_run(tmp_path):
     assert (first.frame_prefix, second.frame_prefix) == ("", "second/")
     assert [item.robot for item in launch.scenario.findings if item.kind is Kind.WARNING] == ["second", "second"]
     twin = Twin(launch.scenario)
-    assert {"/robot_description", "/second/robot_description"} <= set(twin.topics())
+    assert {"/robot_description", "/second/robot_description"} <= set(twin.graph.topics())
     frames = [item.child_frame_id for item in twin.latest("/tf").transforms]
     assert frames == ["arm", "second/arm"]
 

@@ -42,7 +42,7 @@ def test_a_model_with_a_drive_is_a_robot(tmp_path):
     assert robot.rpy == pytest.approx((0.0, 0.0, 0.5))
     assert scenario.world.without_models == ("rover",)
     twin = Twin(scenario)
-    assert twin.entity_state("ball").position[0] == pytest.approx(5.0)
+    assert twin.entities.state("ball").position[0] == pytest.approx(5.0)
     twin.publish("/cmd_vel", {"linear": {"x": 0.5}})
     twin.advance_to(1.0)
     x, y, *_ = twin.robot_state("rover").base_pose

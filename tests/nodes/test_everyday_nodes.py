@@ -39,11 +39,11 @@ def twice(build, run):
     found, hashes = [], []
     for _ in range(2):
         with build().build() as twin:
-            twin.record()
+            twin.recorder.begin()
             found.append(run(twin))
             assert [item.what for item in twin.findings if "node" in item.what] == []
             hashes.append(twin.state_sha256())
-            recording = twin.recording()
+            recording = twin.recorder.recording()
     with replay(recording) as again:
         hashes.append(again.state_sha256())
     assert len(set(hashes)) == 1
@@ -119,7 +119,7 @@ def test_four_relative_moves_are_a_square(tmp_path, capsys):
 
     def run(twin):
         twin.advance_to(20.0)
-        state = twin.entity_state("robot_1")
+        state = twin.entities.state("robot_1")
         return *state.position[:2], heading(state), capsys.readouterr().out
 
     x, y, angle, said = twice(lambda: drivable().node(file, remappings=names), run)
@@ -180,9 +180,9 @@ def test_a_command_timeout(tmp_path):
 
     def run(twin):
         twin.advance_to(0.798)
-        moves = twin.command(VELOCITY).linear_x
+        moves = twin.graph.command(VELOCITY).linear_x
         twin.advance_to(1.5)
-        return moves, twin.command(VELOCITY).linear_x, twin.entity_state("robot_1").position[0]
+        return moves, twin.graph.command(VELOCITY).linear_x, twin.entities.state("robot_1").position[0]
 
     moving, standing, x = twice(lambda: drivable().node(brake, remappings=names).node(push, remappings=names), run)
     assert (moving, standing) == (0.5, 0.0)
@@ -240,7 +240,7 @@ def test_a_commander_of_three_robots(tmp_path, capsys):
 
     def run(twin):
         twin.advance_to(1.2)
-        states = [twin.entity_state(f"robot_{index}") for index in (1, 2, 3)]
+        states = [twin.entities.state(f"robot_{index}") for index in (1, 2, 3)]
         return *(state.position[0] for state in states), heading(states[2])
 
     first, second, _, angle = twice(lambda: rovers(3, time_step=0.002).node(file), run)

@@ -125,7 +125,7 @@ def drive_by_keys(file, keys, end):
                 os.write(master, key)
                 assert select.select([terminal], [], [], 10)[0], "the terminal has passed the key on"
             twin.advance_to(end)
-            found = twin.entity_state("robot_1").position[0], twin.state_sha256()
+            found = twin.entities.state("robot_1").position[0], twin.state_sha256()
             assert twin.findings == ()
         is_restored = termios.tcgetattr(terminal) == before
     os.close(master)

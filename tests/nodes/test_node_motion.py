@@ -52,7 +52,7 @@ class My(Node):
 def test_a_square_is_a_square(tmp_path, capfd):
     with running(script(tmp_path, "square.py", SQUARE)) as twin:
         twin.advance_to(25.0)
-        x, y, _ = twin.entity_state("robot_1").position
+        x, y, _ = twin.entities.state("robot_1").position
         assert twin.findings == ()
     said = [line.split("corner ")[1].split() for line in capfd.readouterr().err.splitlines() if "corner" in line]
     corners = [(float(a), float(b)) for a, b in said]

@@ -305,9 +305,9 @@ class My(Node):
 """,
     )
     with running(file) as twin:
-        twin.record()
+        twin.recorder.begin()
         twin.advance_to(1.0)
-        recording, expected = twin.recording(), twin.state_sha256()
+        recording, expected = twin.recorder.recording(), twin.state_sha256()
     file.unlink()
     with replay(recording) as again:
         assert again.state_sha256() == expected
@@ -355,11 +355,11 @@ publisher.publish(Float64MultiArray(data=[1.0, 2.0, 3.0, 4.0]))
 """,
     )
     with running(file) as twin:
-        twin.record()
+        twin.recorder.begin()
         for _ in range(3):
             twin.advance_to(0.5)
         assert twin.findings == ()
-        recording, expected = twin.recording(), twin.state_sha256()
+        recording, expected = twin.recorder.recording(), twin.state_sha256()
     assert lines(capsys) == ["asked"]
     file.unlink()
     with replay(recording) as again:

@@ -71,7 +71,7 @@ def test_a_node_of_the_package_spawns_the_robot(tmp_path, capsys, simulator, typ
         twin.advance_to(0.5)
         assert twin.robots == ("cart",)
         assert twin.robot_state("cart").base_pose[:3] == pytest.approx((1.5, 0, 0.1), abs=1e-3)
-        twin.delete("cart")
+        twin.entities.delete("cart")
         twin.advance_to(0.6)
         assert twin.robots == ()
     assert lines(capsys) == ["success True"]

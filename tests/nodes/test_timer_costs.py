@@ -65,6 +65,6 @@ def test_a_timer_costs_less_than_a_tenth_above_a_subscriber(tmp_path):
         subscriber = calls(twin)
     with rovers(2).node(script(tmp_path, "drive.py", DRIVE)).build() as twin:
         timer = calls(twin)
-        assert twin.command(TOPICS[1]).data.tolist() == [2.0, 2.0, 2.0, 2.0]
+        assert twin.graph.command(TOPICS[1]).data.tolist() == [2.0, 2.0, 2.0, 2.0]
     assert timer < 1.1 * subscriber
     assert subscriber > idle + 20

@@ -23,9 +23,9 @@ class My(Node):
     )
     with running(file) as twin:
         twin.advance_to(2.0)
-        start = twin.entity_state("robot_1").position[0]
+        start = twin.entities.state("robot_1").position[0]
         twin.advance_to(4.0)
-        assert twin.entity_state("robot_1").position[0] - start == pytest.approx(0.4, rel=0.02)
+        assert twin.entities.state("robot_1").position[0] - start == pytest.approx(0.4, rel=0.02)
 
 
 def test_what_a_node_publishes_is_heard_in_the_next_step(tmp_path, capsys):
@@ -272,10 +272,10 @@ class My(Node):
     assert TAIL in file.read_text()
     with running(file, robots=2) as twin:
         second = twin.scenario.robots[1]
-        twin.delete("robot_2")
+        twin.entities.delete("robot_2")
         twin.advance_to(0.05)
         assert lines(capsys) == []
-        twin.spawn(second)
+        twin.entities.spawn(second)
         twin.advance_to(0.075)
     assert lines(capsys) == ["heard"] * 3
 

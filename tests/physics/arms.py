@@ -63,7 +63,7 @@ class ArmScene:
         pose = dict(zip(self.joints, _POSES[name], strict=True))
         builder.robot("arm", file, controllers=controllers, active_controllers=["driver"], initial_positions=pose)
         self.twin = builder.build()
-        self.limits = [self.twin.plans[0].description.joints_by_name[joint].limits for joint in self.joints]
+        self.limits = [self.twin.built.plans[0].description.joints_by_name[joint].limits for joint in self.joints]
 
     def publish(self, numbers) -> None:
         """A command to each joint."""

@@ -135,12 +135,12 @@ class Scene:
 
 def position(twin, name: str) -> np.ndarray:
     """Where a thing is (m)."""
-    return np.array(twin.entity_state(name).position)
+    return np.array(twin.entities.state(name).position)
 
 
 def velocity(twin, name: str) -> np.ndarray:
     """How a thing moves (m/s)."""
-    return np.array(twin.entity_state(name).linear)
+    return np.array(twin.entities.state(name).linear)
 
 
 def farthest_from(twin, name: str, place: np.ndarray, until: float, every: float = 0.1) -> float:

@@ -74,7 +74,7 @@ def set_velocity(twin, velocity):
 
 
 def pose(twin, name="m::bob"):
-    state = twin.entity_state(name)
+    state = twin.entities.state(name)
     return RigidTransform(RotationMatrix(Quaternion(state.orientation)), state.position)
 
 
@@ -199,7 +199,7 @@ def test_tf_has_the_child_links_of_sdf_joints(tmp_path, kind):
     set_velocity(twin, VELOCITY[kind])
     twin.advance_to(0.5)
     (found,) = [item for item in twin.latest("/tf").transforms if item.child_frame_id.endswith("bob")]
-    expected = twin.entity_state("m::bob", "m::post")
+    expected = twin.entities.state("m::bob", "m::post")
     assert found.header.frame_id == found.child_frame_id.replace("bob", "post")
     p, q = found.transform.translation, found.transform.rotation
     assert [p.x, p.y, p.z] == pytest.approx(expected.position)
@@ -239,7 +239,7 @@ def test_damping_brakes_a_ball_joint(tmp_path, engine):
     twin = twin_of(tmp_path, engine, on_post(link("bob") + joint("ball", damping)), gravity=(0, 0, 0))
     set_velocity(twin, [2.0, 0, 0, 0, 0, 0])
     twin.advance_to(1.0)
-    assert twin.entity_state("m::bob").angular[0] == pytest.approx(
+    assert twin.entities.state("m::bob").angular[0] == pytest.approx(
         2 * np.exp(-0.02 / MOMENTS[0]), rel=step_error(engine)
     )
 
@@ -252,14 +252,14 @@ def test_a_sensor_beside_a_ball_joint_measures_and_one_in_it_is_named(tmp_path):
     )
     hanging = link("bob", "0 0 0.6 0 0 0") + ball + link("load", "0 0 0.5 0 0 0") + mount
     twin = twin_of(tmp_path, "1ms", on_post(hanging))
-    assert "m: sensor inside: it cannot measure in the ball joint joint" in twin.warnings
+    assert "m: sensor inside: it cannot measure in the ball joint joint" in twin.findings.warnings
     twin.advance_to(0.1)
-    described = twin.plans[0].description.sensor("beside", "force_torque")
+    described = twin.built.plans[0].description.sensor("beside", "force_torque")
     instance = twin.plant.GetModelInstanceByName("m")
     dut = ForceTorqueSensor(SensorSetup(described, ForceTorqueSettings(), twin.plant, instance))
     ((forces, own),) = dut.host.inputs_from(twin.plant)
     context = dut.host.CreateDefaultContext()
-    own.FixValue(context, Value[list[SpatialForce]](twin.evaluate(forces)))
+    own.FixValue(context, Value[list[SpatialForce]](twin.graph.evaluate(forces)))
     assert dut.get_wrench_output_port().Eval(context) == pytest.approx([0, 0, -MASS * G, 0, 0, 0], abs=1e-6)
 
 
@@ -281,7 +281,7 @@ def test_models_have_ball_joints_beside_others_and_keep_moving_when_one_is_spawn
     assert twin.plant.num_constraints() == 2  # one is the follower's: Drake removes no joint where there is one
     twin.advance_to(0.3)
     before = pose(twin).GetAsMatrix4()
-    twin.spawn(Robot("n", str(tmp_path / "m.sdf"), xyz=(3.0, 0.0, 0.0)))
+    twin.entities.spawn(Robot("n", str(tmp_path / "m.sdf"), xyz=(3.0, 0.0, 0.0)))
     assert np.array_equal(pose(twin).GetAsMatrix4(), before)
     twin.advance_to(0.6)
     assert pose(twin) @ CENTER == pytest.approx([0, 0, 1], abs=1e-5)

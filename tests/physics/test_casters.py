@@ -44,7 +44,7 @@ def small_twin(folder, engine, **options):
 
 
 def yaw(twin, name):
-    w, x, y, z = twin.entity_state(name).orientation
+    w, x, y, z = twin.entities.state(name).orientation
     return atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
@@ -62,7 +62,7 @@ def turned(twin, name, seconds):
 @every_engine
 def test_a_base_on_a_caster_ball_turns_in_place_as_commanded(tmp_path, engine):
     twin = small_twin(tmp_path, engine)
-    assert "robot: joint caster: its caster ball slides without friction instead of rolling" in twin.warnings
+    assert "robot: joint caster: its caster ball slides without friction instead of rolling" in twin.findings.warnings
     twin.publish("/robot/cmd_vel", {"linear": {"x": 0.0}, "angular": {"z": RATE}})
     twin.advance_to(2.0)
     assert 0.97 < turned(twin, "robot", 4.0) / (RATE * 4.0) < 1.01
@@ -96,7 +96,7 @@ def test_a_base_on_other_casters_turns_in_place_as_commanded(tmp_path, engine, k
 
 def drive_figures_of_eight(twin, until):
     """Drives circles to the left and to the right by turns; all links have finite poses all the time."""
-    links = [f"robot::{name}" for name in twin.plans[0].description.links]
+    links = [f"robot::{name}" for name in twin.built.plans[0].description.links]
     sign = 1.0
     while twin.time < until - 1e-9:
         twin.publish("/robot/cmd_vel", {"linear": {"x": 0.15}, "angular": {"z": 0.5 * sign}})
@@ -104,9 +104,9 @@ def drive_figures_of_eight(twin, until):
         while twin.time < end - 1e-9:
             twin.advance_to(min(twin.time + 1.0, end))
             for name in links:
-                state = twin.entity_state(name)
+                state = twin.entities.state(name)
                 assert np.isfinite([*state.position, *state.orientation, *state.linear, *state.angular]).all()
-    height = twin.entity_state("robot::ball").position[2]
+    height = twin.entities.state("robot::ball").position[2]
     assert height == pytest.approx(0.005, abs=1e-3)
 
 

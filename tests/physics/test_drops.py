@@ -52,7 +52,7 @@ def check_drops(folder, engine, numbers):
         twin.advance_to(twin.time + 0.02)
     rests = []
     for number, name in zip(numbers, names, strict=True):
-        up = upwards(Rotation.from_quat(np.roll(twin.entity_state(name).orientation, -1)))
+        up = upwards(Rotation.from_quat(np.roll(twin.entities.state(name).orientation, -1)))
         rests.append(sum(drops()[number].is_same(up, other) for other in PEERS[number].values()) >= 2)
     return np.array(numbers)[rests].tolist()
 

@@ -222,7 +222,7 @@ def test_a_brake_touches_nothing_else(tmp_path):
     command(twin, "velocity", 5.0)
     twin.advance_to(1.0)
     assert velocity(twin) == pytest.approx(5.0, abs=CLOSE)
-    assert twin.entity_state("crate").position == pytest.approx((0.2, 0.1, 0.3), abs=1e-12)
+    assert twin.entities.state("crate").position == pytest.approx((0.2, 0.1, 0.3), abs=1e-12)
 
 
 def test_a_brake_is_not_drawn(tmp_path):
@@ -236,7 +236,7 @@ def test_a_brake_is_not_drawn(tmp_path):
     scene = Scene()
     for name in ("contacts", "collision"):
         overlay_kinds()[name].type(scene, twin).draw()
-    results = twin.evaluate(twin.plant.get_contact_results_output_port())
+    results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
     assert results.num_point_pair_contacts() + results.num_hydroelastic_contacts() == 2
     assert not scene.has_path(f"{OVERLAYS}/contact")
     assert [shape.shape.radius() for shape in _shapes(twin)] == [0.1]

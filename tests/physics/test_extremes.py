@@ -27,7 +27,7 @@ def test_what_is_set_down_rests_at_half_its_height(tmp_path, kind, size, engine)
     above = position(twin, "thing")[2] - size / 2
     assert -SINKS <= above <= 1e-6
     assert np.linalg.norm(velocity(twin, "thing")) < 1e-3
-    assert twin.warnings == ()
+    assert twin.findings.warnings == ()
 
 
 @every_engine
@@ -45,7 +45,7 @@ def test_what_is_thin_does_not_end_the_run_where_it_falls(tmp_path, kind, mass, 
     twin = Scene(tmp_path, engine).add("thing", urdf, (0, 0, 0.3)).build()
     twin.advance_to(0.6)
     assert abs(position(twin, "thing")[2]) < 0.1  # at 10 ms it sinks by what it falls in a step; discs tumble
-    said = [warning for warning in twin.warnings if f"{thickness:.3g} m thin" in warning]
+    said = [warning for warning in twin.findings.warnings if f"{thickness:.3g} m thin" in warning]
     assert len(said) == (thickness < 1e-4)
 
 
@@ -56,7 +56,7 @@ def test_what_is_light_or_heavy_rests_at_half_its_height(tmp_path, size, mass, e
     twin = Scene(tmp_path, engine).add("thing", box((size, size, size), mass), (0, 0, size / 2 + 0.01)).build()
     twin.advance_to(1.0)
     assert -SINKS <= position(twin, "thing")[2] - size / 2 <= 1e-6
-    assert twin.warnings == ()
+    assert twin.findings.warnings == ()
 
 
 @pytest.mark.parametrize(
@@ -72,5 +72,5 @@ def test_what_is_light_or_heavy_rests_at_half_its_height(tmp_path, size, mass, e
 )
 def test_what_contact_is_not_made_for_is_said(tmp_path, urdf, what):
     twin = Scene(tmp_path, "1ms").add("thing", urdf, (0, 0, 1e6)).build()
-    (warning,) = (warning for warning in twin.warnings if "touches in a point" not in warning)
+    (warning,) = (warning for warning in twin.findings.warnings if "touches in a point" not in warning)
     assert warning.startswith(f"thing: {what}")

@@ -38,7 +38,7 @@ def test_the_smaller_friction_of_two_brakes(figure, tmp_path, engine, ground, ow
     scene.add("crate", box(BOX, friction=own), (0, 0, top + BOX[2] / 2))
     twin = scene.build()
     twin.advance_to(0.2)
-    twin.set_entity_state("crate", linear=(SPEED, 0, 0))
+    twin.entities.set_state("crate", linear=(SPEED, 0, 0))
     ratio = deceleration(twin, "crate", 0.2) / (min(own, of_floor) * G)
     assert figure("two coefficients: deceleration ÷ smaller one g", ratio) == pytest.approx(1.0, abs=0.03)
 
@@ -48,7 +48,7 @@ def test_a_ball_that_slides_is_braked_by_the_smaller_friction_until_it_rolls(tmp
     scene = Scene(tmp_path, engine, plane(friction=1.0)).add("ball", sphere(0.1, friction=0.2), (0, 0, 0.1))
     twin = scene.build()
     twin.advance_to(0.2)
-    twin.set_entity_state("ball", linear=(SPEED, 0, 0), angular=(0, 0, 0))
+    twin.entities.set_state("ball", linear=(SPEED, 0, 0), angular=(0, 0, 0))
     # It rolls after 2 v / (7 µ g) = 0.29 s; then 5/7 of its speed is left.
     twin.advance_to(0.3)
     early = velocity(twin, "ball")[0]

@@ -60,7 +60,7 @@ def test_a_light_fingertip_stops_at_a_wall(tmp_path, engine, force):
 @every_engine
 def test_an_effort_drives_a_joint_up_to_its_velocity_limit(tmp_path, engine, effort):
     twin = hand_around(tmp_path, engine, 0.08, 20.0).build()
-    twin.set_joint_positions("gripper", {"left_joint": 0.02})
+    twin.entities.set_joint_positions("gripper", {"left_joint": 0.02})
     twin.publish("/gripper/grip/commands", [effort, 0.0])
     twin.advance_to(0.05)
     velocities = twin.robot_state("gripper").velocities

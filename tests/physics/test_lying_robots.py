@@ -108,15 +108,15 @@ def resisted(twin, plan):
 def test_robots_that_nobody_here_wrote_lie_still(figure, file, engine):
     scenario = robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)])
     twin = Twin(replace(scenario, **ENGINES[engine]))
-    (plan,) = twin.plans
+    (plan,) = twin.built.plans
     if file.stem in FALLING | SWINGING | ROLLING:
         pytest.skip("it falls, swings or rolls for ever")
     sinks, turns = SINKING[engine].get(file.stem, (0.0, 0.0))
     twin.advance_to(SETTLED)
-    start, moved, fastest = np.array(twin.entity_state(plan.name).position), 0.0, 0.0
+    start, moved, fastest = np.array(twin.entities.state(plan.name).position), 0.0, 0.0
     while twin.time < SETTLED + MEASURED - 1e-9:
         twin.advance_to(twin.time + 0.1)
-        moved = max(moved, float(np.linalg.norm(np.array(twin.entity_state(plan.name).position) - start)))
+        moved = max(moved, float(np.linalg.norm(np.array(twin.entities.state(plan.name).position) - start)))
         fastest = max(fastest, float(resisted(twin, plan).max()))
     print(f"{file.stem}, {engine}: moves {1e3 * moved:.3f} mm, fastest joint {fastest:.1e} rad/s")
     figure("robots of example-robot-data, 10 s: move (mm)", 1e3 * moved)

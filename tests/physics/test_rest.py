@@ -184,6 +184,6 @@ def test_a_hull_of_few_triangles_does_not_rock(tmp_path, engine):
     urdf = thing(wedge(tmp_path), 40.0, (2.0, 2.0, 1.5), center=(0.04, 0.0, 0.4))
     twin = Scene(tmp_path, engine).add("thing", urdf, (0, 0, 1e-3), (0.004, 0.002, 0)).build()
     twin.advance_to(3.0)
-    assert np.linalg.norm(twin.entity_state("thing").angular) < 1e-4
+    assert np.linalg.norm(twin.entities.state("thing").angular) < 1e-4
     assert farthest_from(twin, "thing", position(twin, "thing"), 5.0) < 1e-4
     assert abs(position(twin, "thing")[2]) < 1e-4

@@ -80,10 +80,10 @@ def ways(twin, signs, seconds=2.0):
     twin.publish("/base/wheels/commands", [SPEED * sign for sign in signs])
     twin.advance_to(twin.time + 0.7)
     found, end = np.zeros(3), twin.time + seconds
-    before = twin.entity_state("base")
+    before = twin.entities.state("base")
     while twin.time < end - 1e-9:
         twin.advance_to(twin.time + 0.02)
-        after = twin.entity_state("base")
+        after = twin.entities.state("base")
         moved = np.subtract(after.position, before.position)
         yaw, then = (2 * atan2(state.orientation[3], state.orientation[0]) for state in (before, after))
         turned = (then - yaw + pi) % (2 * pi) - pi
@@ -104,7 +104,7 @@ def test_a_mecanum_base_with_rollers_drives_slides_sideways_and_turns(figure, tm
     (tmp_path / "controllers.yaml").write_text(CONTROLLERS)
     scene = Scene(tmp_path, engine, plane())
     twin = scene.add("base", mecanum(tmp_path, kind), (0, 0, RADIUS), controllers=tmp_path / "controllers.yaml").build()
-    assert {shape.touches for shape in twin.collision_shapes if shape.model == "base"} == {"wheel"}
+    assert {shape.touches for shape in twin.built.shapes if shape.model == "base"} == {"wheel"}
     twin.advance_to(0.3)
     ahead, aside, around = ways(twin, (1, 1, 1, 1))
     assert figure("mecanum base with rollers: forward ÷ kinematic", ahead) == pytest.approx(1, abs=0.002)
@@ -121,7 +121,7 @@ def test_a_mecanum_base_with_rollers_drives_slides_sideways_and_turns(figure, tm
 
 def test_the_rollers_of_an_omni_wheel_are_alike_where_they_stand_upright(tmp_path):
     twin = Scene(tmp_path, "10ms").add("base", mecanum(tmp_path, "mesh", degrees=90), (0, 0, RADIUS)).build()
-    lengths = [shape.shape.c() for shape in twin.collision_shapes if isinstance(shape.shape, Ellipsoid)]
+    lengths = [shape.shape.c() for shape in twin.built.shapes if isinstance(shape.shape, Ellipsoid)]
     assert len(lengths) == 4 * COUNT
     # The barrel's curvature in its middle; it is closer to the ground beside it.
     assert lengths == pytest.approx([sqrt(ROLLER * (ROLLER + APART))] * len(lengths), rel=0.06)
@@ -133,5 +133,5 @@ def test_two_links_on_a_wheel_are_not_rollers(tmp_path):
         joint = f'<joint name="{name}_{number}_joint" type='
         urdf = urdf.replace(f'{joint}"continuous"', f'{joint}"fixed"')
     twin = Scene(tmp_path, "10ms").add("base", urdf, (0, 0, RADIUS)).build()
-    lengths = [shape.shape.c() for shape in twin.collision_shapes if isinstance(shape.shape, Ellipsoid)]
+    lengths = [shape.shape.c() for shape in twin.built.shapes if isinstance(shape.shape, Ellipsoid)]
     assert lengths == pytest.approx([APART * np.tan(pi / COUNT) * sqrt(2)] * len(lengths)) != []

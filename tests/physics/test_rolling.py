@@ -32,7 +32,7 @@ def test_what_rolls_keeps_its_speed(figure, tmp_path, engine, ground, what):
     urdf, radius, _ = roller(what)
     twin = Scene(tmp_path, engine, GROUNDS[ground]()).add("thing", urdf, (0, 0, radius), (pi / 2, 0, 0)).build()
     twin.advance_to(0.2)
-    twin.set_entity_state("thing", linear=(0.5, 0, 0), angular=(0, 0.5 / radius, 0))
+    twin.entities.set_state("thing", linear=(0.5, 0, 0), angular=(0, 0.5 / radius, 0))
     twin.advance_to(3.2)
     assert figure("rolls on the level: speed kept in 3 s", velocity(twin, "thing")[0] / 0.5) == pytest.approx(
         1, abs=0.01
@@ -65,5 +65,5 @@ def test_a_cylinder_stands_on_its_end(tmp_path, engine, what):
     twin = Scene(tmp_path, engine, plane()).add("thing", urdf, (0, 0, length / 2 + 1e-5), (0, radians(0.1), 0)).build()
     twin.advance_to(3.0)
     assert position(twin, "thing")[2] == pytest.approx(length / 2, abs=1e-4)
-    w, x, y, _ = twin.entity_state("thing").orientation
+    w, x, y, _ = twin.entities.state("thing").orientation
     assert 2 * np.hypot(x, y) / abs(w) < radians(0.1)

@@ -41,7 +41,7 @@ def sliding(folder, engine, ground, friction, speed):
     scene.add("crate", box(BOX, friction=friction), (0, 0, top + BOX[2] / 2), (0, 0, YAW))
     twin = scene.build()
     twin.advance_to(START)  # the ground bears it
-    twin.set_entity_state("crate", linear=(speed, 0, 0))
+    twin.entities.set_state("crate", linear=(speed, 0, 0))
     return twin
 
 

@@ -78,10 +78,10 @@ def check_standing(folder, engine, seconds, size, mass, turn, is_mesh, ground):
     urdf = mesh_of(folder, size, mass) if is_mesh else box(size, mass)
     twin = scene.add("thing", urdf, (0, 0, top + height), rpy).build()
     twin.advance_to(seconds)
-    state = twin.entity_state("thing")
+    state = twin.entities.state("thing")
     vertical = upright(state.orientation)
     tilt = float(np.arccos(min(1.0, np.abs(vertical @ R.T[:, 2]))))
-    slab = twin.entity_state("slab").position[2] - top / 2 if ground == "slab" else 0.0
+    slab = twin.entities.state("slab").position[2] - top / 2 if ground == "slab" else 0.0
     assert -1e-5 < z / 2 + top + slab - state.position[2] < DEEPEST
     assert tilt < STEEPEST
 
@@ -115,7 +115,7 @@ def test_what_is_pushed_end_on_into_a_wall_stops_there(tmp_path, engine, size, m
     place = (1 - size[0] / 2 - 0.001, 0, size[2] / 2)
     scene = Scene(tmp_path, engine, wall + plane(friction=0.001))
     twin = scene.add("thing", box(size, mass, friction=0.001), place).build()
-    twin.apply_wrench("thing", force=(20, 0, 0), duration=2.0)
+    twin.entities.apply_wrench("thing", force=(20, 0, 0), duration=2.0)
     twin.advance_to(1.0)
     assert 0 < position(twin, "thing")[0] + size[0] / 2 - 1 < DEEPEST
 
@@ -131,14 +131,14 @@ def check_tipping(folder, engine, how, size, mass, is_mesh):
         twin = scene.add("thing", urdf, on_slope(tilt, z=height / 2), (0, tilt, 0)).build()
         for part in np.linspace(0, 1, 41)[1:]:  # slowly: on a slope, by a hand that lets it go
             force, at = (part * last, height / 2) if how == "force" else ((part - 1) * last, 0.0)
-            twin.apply_wrench("thing", force=on_slope(tilt, force), duration=0.05, at=(0, 0, at))
+            twin.entities.apply_wrench("thing", force=on_slope(tilt, force), duration=0.05, at=(0, 0, at))
             twin.advance_to(twin.time + 0.05)
         if how == "force":
-            twin.apply_wrench("thing", force=(last, 0, 0), duration=4.0, at=(0, 0, height / 2))
+            twin.entities.apply_wrench("thing", force=(last, 0, 0), duration=4.0, at=(0, 0, height / 2))
         leans = 0.0  # at most: what tumbles down a slope may be upright again in the end
         for _ in range(12):
             twin.advance_to(twin.time + 0.25)
-            vertical = upright(twin.entity_state("thing").orientation)
+            vertical = upright(twin.entities.state("thing").orientation)
             leans = max(leans, abs(float(np.arctan2(vertical[0], vertical[2])) - -tilt))
         assert (leans > radians(5.0)) == (share > 1), (share, np.degrees(leans))
 

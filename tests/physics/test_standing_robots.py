@@ -73,7 +73,7 @@ def test_a_robot_on_feet_without_mass_stands_and_is_not_pushed_away(figure, tmp_
     twin.advance_to(2.0)
     moved = farthest_from(twin, "dog", position(twin, "dog"), 6.0)
     assert figure("robot on four feet, 4 s: moves (mm)", 1e3 * moved) < 1e-3
-    twin.apply_wrench("dog", force=(0.0, 0.2 * MASS * G, 0.0), duration=2.0)
+    twin.entities.apply_wrench("dog", force=(0.0, 0.2 * MASS * G, 0.0), duration=2.0)
     twin.advance_to(7.9)
     slips = abs(velocity(twin, "dog")[1])
     assert figure("pushed by 0.2 of its weight: slips (mm/s)", 1e3 * slips) < 1.0
@@ -91,7 +91,7 @@ def test_a_parked_rover_creeps_no_more_than_the_solvers_regularization_asks(figu
     twin.advance_to(8.0)
     creep = 1e3 * np.linalg.norm(position(twin, "rover") - before) / 5.0
     assert figure("rover parked on 25°: creeps (mm/s)", creep) < CREEP[engine] * ENGINES[engine]["time_step"]
-    assert np.linalg.norm(np.array(twin.entity_state("rover").angular)) < 1e-5
+    assert np.linalg.norm(np.array(twin.entities.state("rover").angular)) < 1e-5
 
 
 def stance_of(robot):

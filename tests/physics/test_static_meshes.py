@@ -119,7 +119,7 @@ def test_a_wall_is_not_passed_at_a_meter_a_second(tmp_path, engine, wall):
     crate = box((0.1, 0.1, 0.1), friction=0.1)
     twin = scene(tmp_path, engine, tray(1.0, 0.3, wall)).add("thing", crate, (0, 0, wall + 0.0501)).build()
     twin.advance_to(0.1)
-    twin.set_entity_state("thing", linear=(1.5, 0, 0))
+    twin.entities.set_state("thing", linear=(1.5, 0, 0))
     far = 0.0
     while twin.time < 1.5:
         twin.advance_to(twin.time + 0.01)

@@ -18,9 +18,9 @@ STOPS = ("emergency stop", "deactivation", "zero")
 
 def stop(twin, robot, controller, how, zero):
     if how == "emergency stop":
-        twin.emergency_stop(robot)
+        twin.control.emergency_stop(robot)
     elif how == "deactivation":
-        assert twin.controller_manager(robot).switch_controller(deactivate=[controller])
+        assert twin.control.manager(robot).switch_controller(deactivate=[controller])
     else:
         twin.publish(f"/{robot}/{controller}/commands", zero)
 
@@ -41,8 +41,8 @@ def assert_stops_joint_by_joint(scene, how):
         # It rests there; joints that it has pushed out of the way push back while they brake, too.
         assert scene.positions[joint] == pytest.approx(farthest, abs=1e-2)
         assert np.abs(scene.velocities).max() < 1e-2
-        twin.controller_manager("arm").switch_controller(activate=["driver"])
-        twin.clear_emergency_stop("arm")
+        twin.control.manager("arm").switch_controller(activate=["driver"])
+        twin.control.clear_emergency_stop("arm")
 
 
 # The sample: every engine, every way to stop, every arm, but not all at once.
@@ -90,22 +90,22 @@ def driving(folder, engine, effort, tilt=0.0):
 @pytest.mark.parametrize(("effort", "how"), [(None, STOPS[0]), (20.0, STOPS[1]), (0.5, STOPS[2])])
 def test_a_rover_stops_within_the_distance_that_its_motors_and_the_ground_allow(tmp_path, engine, effort, how):
     twin = driving(tmp_path, engine, effort)
-    start, speed = position(twin, "base"), np.linalg.norm(twin.entity_state("base").linear)
+    start, speed = position(twin, "base"), np.linalg.norm(twin.entities.state("base").linear)
     context = twin.plant.GetMyContextFromRoot(twin.context)
     mass = twin.plant.CalcTotalMass(context, [twin.plant.GetModelInstanceByName("base")])
-    efforts = sum(joint.limits.effort for joint in twin.plans[0].description.actuated_joints)
+    efforts = sum(joint.limits.effort for joint in twin.built.plans[0].description.actuated_joints)
     stop(twin, "base", "forward_velocity_controller", how, [0.0] * 4)
     heights, tilts = [], []
     while twin.time < 4.0:
         twin.advance_to(twin.time + 0.01)
         heights.append(position(twin, "base")[2])
-        _, x, y, _ = twin.entity_state("base").orientation
+        _, x, y, _ = twin.entities.state("base").orientation
         tilts.append(2 * asin(hypot(x, y)))
     way = np.linalg.norm(position(twin, "base") - start)
     assert way <= 1.2 * speed**2 / (2 * min(G, efforts / (RADIUS * mass)))
     assert max(tilts) < 0.01
     assert np.abs(np.array(heights) - start[2]).max() < 1e-3
-    assert np.linalg.norm(twin.entity_state("base").linear) < 1e-4
+    assert np.linalg.norm(twin.entities.state("base").linear) < 1e-4
 
 
 @every_engine
@@ -161,7 +161,7 @@ def test_a_command_ends_the_hold_at_once_and_without_a_jump(tmp_path, engine):
     assert min(velocities) > -1e-4
     assert max(velocities) < 0.2 * 1.01
     assert velocities[-1] == pytest.approx(0.2, rel=0.01)
-    assert scene.twin.time - len([v for v in velocities if v > 0.18]) * scene.twin.time_step < 1.03
+    assert scene.twin.time - len([v for v in velocities if v > 0.18]) * scene.twin.clock.time_step < 1.03
 
 
 @every_engine
@@ -170,7 +170,7 @@ def test_an_arm_that_is_pushed_away_is_held_where_that_leaves_it(tmp_path, engin
     scene.publish([0.0] * 6)
     scene.twin.advance_to(1.0)
     before = scene.positions[0]
-    scene.twin.apply_wrench("arm::forearm_link", force=(0.0, 800.0, 0.0), duration=0.3)
+    scene.twin.entities.apply_wrench("arm::forearm_link", force=(0.0, 800.0, 0.0), duration=0.3)
     scene.twin.advance_to(1.6)
     pushed = scene.positions[0]
     assert abs(pushed - before) > 0.5
@@ -183,7 +183,7 @@ def test_a_joint_that_is_put_somewhere_stays_there_at_a_velocity_of_zero(tmp_pat
     scene = ArmScene(tmp_path, "arduinobot", engine)
     scene.publish([0.0] * 4)
     scene.twin.advance_to(0.5)
-    scene.twin.set_joint_positions("arm", {"joint_1": 0.9})
+    scene.twin.entities.set_joint_positions("arm", {"joint_1": 0.9})
     scene.twin.advance_to(1.5)
     assert scene.positions[0] == pytest.approx(0.9, abs=1e-4)
 
@@ -295,7 +295,7 @@ def test_a_joint_without_a_velocity_limit_is_as_fast_as_its_servo(tmp_path, cont
 def test_a_stop_is_repeated_to_the_last_bit_whoever_looks_and_from_any_moment_of_it(tmp_path, engine):
     def stopping():
         scene = ArmScene(tmp_path, "arduinobot", engine)
-        scene.twin.record()
+        scene.twin.recorder.begin()
         scene.publish([1.0, 0.5, -0.5, 0.0])
         scene.twin.advance_to(0.2)
         scene.publish([0.0] * 4)
@@ -307,7 +307,7 @@ def test_a_stop_is_repeated_to_the_last_bit_whoever_looks_and_from_any_moment_of
     while watched.time < 0.5 - 1e-9:
         watched.step()
     assert watched.state_sha256() == plain.state_sha256()
-    assert replay(plain.recording()).state_sha256() == plain.state_sha256()
+    assert replay(plain.recorder.recording()).state_sha256() == plain.state_sha256()
     if engine == "cenic":  # its step size is not in a snapshot
         return
     again = stopping()

@@ -31,7 +31,7 @@ def body(moments=MOMENTS, products=(0.0, 0.0, 0.0), center=(0.0, 0.0, 0.0)):
 
 def motion(twin):
     """The orientation of a body and its angular velocity in its own axes (rad/s)."""
-    state = twin.entity_state("thing")
+    state = twin.entities.state("thing")
     attitude = Rotation.from_quat(np.roll(state.orientation, -1))
     return attitude, attitude.inv().apply(state.angular)
 
@@ -61,7 +61,7 @@ def check_tumbling(figure, folder, engine, w, inertia=None, center=(0.0, 0.0, 0.
     inertia = np.diag(MOMENTS) if inertia is None else inertia
     products = (inertia[0, 1], inertia[0, 2], inertia[1, 2])
     twin = in_the_air(folder, engine, body(np.diag(inertia), products, center), G).build()
-    twin.set_entity_state("thing", angular=w, linear=(1.0, 0.0, 3.0))
+    twin.entities.set_state("thing", angular=w, linear=(1.0, 0.0, 3.0))
     h, speed = STEPS[engine], float(np.linalg.norm(w))
     energy = w @ inertia @ w / 2
     momentum = halfway(Rotation.identity(), w, h).apply(inertia @ w)
@@ -117,19 +117,19 @@ def test_any_body_keeps_energy_and_momentum(tmp_path, engine, seed):
 @pytest.mark.parametrize(("values", "scale"), [({"izz": 1.5}, None), ({"mass": 20.0}, 1.0), ({"inertia": 3.0}, 3.0)])
 def test_the_moments_follow_inertias_that_are_varied(tmp_path, engine, values, scale):
     twin = in_the_air(tmp_path, engine, body()).build()
-    twin.set_values({f"thing.body.{name}": value for name, value in values.items()})
+    twin.entities.set_values({f"thing.body.{name}": value for name, value in values.items()})
     before = twin.snapshot()
     w = np.array([2.0, 8.0, 3.0])
     for _ in range(2):
-        twin.set_entity_state("thing", angular=w)
+        twin.entities.set_state("thing", angular=w)
         assert moment(twin) == pytest.approx(0.0 if scale is None else scale * moment_of(w, STEPS[engine]), rel=0.01)
         twin.restore(before)
-    twin.set_values({})
-    twin.set_entity_state("thing", angular=w)
+    twin.entities.set_values({})
+    twin.entities.set_state("thing", angular=w)
     assert moment(twin) == pytest.approx(moment_of(w, STEPS[engine]), rel=0.01)
     if scale is not None:
         start = inertia_energy(twin, w)
-        twin.set_values({f"thing.body.{name}": value for name, value in values.items()})
+        twin.entities.set_values({f"thing.body.{name}": value for name, value in values.items()})
         twin.advance_to(5.0)
         assert inertia_energy(twin, motion(twin)[1]) == pytest.approx(start, rel=1e-3)
 
@@ -157,8 +157,8 @@ def inertia_energy(twin, w):
 @every_step
 def test_a_wrench_acts_beside_the_moments(tmp_path, engine):
     twin = in_the_air(tmp_path, engine, body()).build()
-    twin.set_entity_state("thing", angular=(0.1, 8.0, 0.1))
-    twin.apply_wrench("thing", force=(5.0, 0.0, 0.0), duration=1.0)
+    twin.entities.set_state("thing", angular=(0.1, 8.0, 0.1))
+    twin.entities.apply_wrench("thing", force=(5.0, 0.0, 0.0), duration=1.0)
     twin.advance_to(2.0)
     assert velocity(twin, "thing") == pytest.approx((5.0 / MASS, 0.0, 0.0), abs=1e-9)
     assert motion(twin)[1] @ np.diag(MOMENTS) @ motion(twin)[1] == pytest.approx(128.04, rel=1e-3)
@@ -169,7 +169,7 @@ def test_what_tumbles_is_repeatable(tmp_path, engine):
     def tumbling():
         builder = in_the_air(tmp_path, engine, body(), G)
         twin = builder.robot("other", tmp_path / "thing.urdf", xyz=(2, 0, 1000.0)).build()
-        twin.set_entity_state("thing", angular=(0.1, 8.0, 0.1))
+        twin.entities.set_state("thing", angular=(0.1, 8.0, 0.1))
         return twin
 
     once, again, rebuilt = tumbling(), tumbling(), tumbling()
@@ -182,9 +182,9 @@ def test_what_tumbles_is_repeatable(tmp_path, engine):
     once.advance_to(1.0)
     assert once.state_sha256() == again.state_sha256()
     rebuilt.advance_to(0.5)
-    rebuilt.delete("other")
+    rebuilt.entities.delete("other")
     rebuilt.advance_to(1.0)
-    assert rebuilt.entity_state("thing") == again.entity_state("thing")
+    assert rebuilt.entities.state("thing") == again.entities.state("thing")
 
 
 def tumbling_systems(builder):

@@ -12,7 +12,7 @@ SPEED = 3.0  # rad/s
 
 
 def yaw(twin, name="base"):
-    w, x, y, z = twin.entity_state(name).orientation
+    w, x, y, z = twin.entities.state(name).orientation
     return atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
@@ -87,9 +87,9 @@ def test_wheels_that_spin_push_with_friction_times_weight(figure, tmp_path, engi
     twin = scene.add("base", four_wheels(), on_slope(tilt, z=RADIUS), (0, tilt, 0)).build()
     twin.publish(COMMANDS, [45.0] * 4)  # backwards, which is up
     twin.advance_to(0.4)
-    speeds = [twin.entity_state("base").linear @ np.array([-cos(tilt), 0.0, sin(tilt)])]
+    speeds = [twin.entities.state("base").linear @ np.array([-cos(tilt), 0.0, sin(tilt)])]
     twin.advance_to(1.4)
-    speeds.append(twin.entity_state("base").linear @ np.array([-cos(tilt), 0.0, sin(tilt)]))
+    speeds.append(twin.entities.state("base").linear @ np.array([-cos(tilt), 0.0, sin(tilt)]))
     expected = G * (friction * cos(tilt) - sin(tilt))
     found = figure(f"spinning wheels at {degrees}°, µ {friction}: acceleration (m/s²)", speeds[1] - speeds[0])
     assert found == pytest.approx(expected, abs=0.01 * G * friction)

@@ -8,7 +8,7 @@ import pytest
 from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import CommandError, InputError
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.scenario import Robot
 
 CART = """<robot name="cart">
@@ -58,8 +58,8 @@ def test_a_value_of_a_plugin_that_its_controller_refuses_has_the_line_of_the_plu
 
 def test_a_twist_drives_a_cart_that_has_only_the_plugin(make):
     twin = make(DIFF_DRIVE.format(ros=""))
-    assert twin.not_started == ()
-    assert twin.topics()["/cart/cmd_vel"] == "geometry_msgs/msg/Twist"
+    assert twin.findings.not_started == ()
+    assert twin.graph.topics()["/cart/cmd_vel"] == "geometry_msgs/msg/Twist"
     twin.publish("/cart/cmd_vel", {"linear": {"x": 0.5}, "angular": {"z": 0.3}})
     twin.advance_to(2.0)  # the plugin has no timeout
     twist = twin.latest("/cart/ground_truth/odom").twist.twist
@@ -80,11 +80,11 @@ def test_its_odometry_is_the_true_pose_and_is_on_tf(make):
 
 def test_its_odometry_stays_true_after_many_turns(make):
     twin = make(DIFF_DRIVE.format(ros=""))
-    twin.set_time_step(0.01)
+    twin.clock.set_time_step(0.01)
     twin.publish("/cart/cmd_vel", {"linear": {"x": 0.5}, "angular": {"z": 3.0}})
     twin.advance_to(30.3)
-    assert np.linalg.norm(twin.state_vector("cart")[:4]) > 1.1  # Drake keeps the direction only
-    true, seen = twin.entity_state("cart"), twin.latest("/cart/odom")
+    assert np.linalg.norm(twin.entities.state_vector("cart")[:4]) > 1.1  # Drake keeps the direction only
+    true, seen = twin.entities.state("cart"), twin.latest("/cart/odom")
     sent = seen.pose.pose.orientation
     turned = abs(np.dot([sent.w, sent.x, sent.y, sent.z], true.orientation))
     assert turned == pytest.approx(1, abs=1e-6)
@@ -97,13 +97,13 @@ def test_its_odometry_stays_true_after_many_turns(make):
 
 def test_the_plugins_own_remapping_names_the_topics(make):
     twin = make(DIFF_DRIVE.format(ros="<ros><remapping>cmd_vel:=drive/twist</remapping></ros>"))
-    assert "/cart/drive/twist" in twin.topics()
-    assert "/cart/cmd_vel" not in twin.topics()
+    assert "/cart/drive/twist" in twin.graph.topics()
+    assert "/cart/cmd_vel" not in twin.graph.topics()
 
 
 def test_a_plugin_that_cannot_work_is_said_and_the_robot_is_there(make):
     twin = make(DIFF_DRIVE.format(ros="").replace(">left<", ">lft<"))
-    assert twin.not_started == (
+    assert twin.findings.not_started == (
         "cart: Gazebo plugin drive (libgazebo_ros_diff_drive.so): the robot has no movable joint 'lft' (cart.urdf:21)",
     )
 
@@ -112,8 +112,8 @@ def test_of_two_plugins_that_hear_the_same_twist_the_one_with_wheels_drives(make
     twin = make(
         '<gazebo><plugin name="move" filename="libgazebo_ros_planar_move.so"/></gazebo>' + DIFF_DRIVE.format(ros="")
     )
-    assert [controller.name for controller in twin.plans[0].controllers] == ["drive"]
-    (reason,) = twin.not_started
+    assert [controller.name for controller in twin.built.plans[0].controllers] == ["drive"]
+    (reason,) = twin.findings.not_started
     assert "it would move the base in addition to drive, which drives wheels by the same topics (cart.urdf:" in reason
 
 
@@ -124,8 +124,8 @@ def test_a_plugin_that_is_named_as_another_controller_has_a_name_of_its_own(make
     control = f"""<gazebo><plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin">
         <parameters>{tmp_path / "c.yaml"}</parameters></plugin></gazebo>"""
     twin = make(control + DIFF_DRIVE.format(ros=""))
-    assert [controller.name for controller in twin.plans[0].controllers] == ["drive", "drive_plugin"]
-    assert set(twin.controller_manager("cart").active) == {"drive", "drive_plugin"}
+    assert [controller.name for controller in twin.built.plans[0].controllers] == ["drive", "drive_plugin"]
+    assert set(twin.control.manager("cart").active) == {"drive", "drive_plugin"}
     twin.publish("/cart/cmd_vel", {"linear": {"x": 0.4}})
     twin.advance_to(1.5)
     assert twin.latest("/cart/ground_truth/odom").twist.twist.linear.x == pytest.approx(0.4, rel=0.02)
@@ -147,7 +147,7 @@ def test_a_joint_position_controller_of_gz_takes_a_float(make):
         """<gazebo><plugin filename="gz-sim-joint-position-controller-system" name="p"><joint_name>left</joint_name>
         <topic>left/position</topic><p_gain>20</p_gain><d_gain>3</d_gain></plugin></gazebo>"""
     )
-    assert twin.topics()["/cart/left/position"] == "std_msgs/msg/Float64"
+    assert twin.graph.topics()["/cart/left/position"] == "std_msgs/msg/Float64"
     twin.publish("/cart/left/position", {"data": 0.2})
     twin.advance_to(3.0)
     assert twin.robot_state("cart").positions[0] == pytest.approx(0.2, abs=0.01)
@@ -157,7 +157,7 @@ def test_one_message_of_actuators_commands_each_wheel_by_its_element(make):
     plugin = """<gazebo><plugin filename="gz-sim-joint-controller-system" name="{joint}">
         <joint_name>{joint}</joint_name><use_actuator_msg>true</use_actuator_msg><actuator_number>{number}</actuator_number></plugin></gazebo>"""
     twin = make(plugin.format(joint="left", number=0) + plugin.format(joint="right", number=2))
-    assert twin.topics()["/cart/actuators"] == "actuator_msgs/msg/Actuators"
+    assert twin.graph.topics()["/cart/actuators"] == "actuator_msgs/msg/Actuators"
     twin.publish("/cart/actuators", {"velocity": [1.5, 9.0, -2.0], "position": [7.0]})
     twin.advance_to(0.5)
     assert twin.robot_state("cart").velocities[:2] == pytest.approx((1.5, -2.0), rel=0.01)
@@ -223,7 +223,7 @@ def test_the_integral_part_bears_what_the_servo_alone_would_sag_under(tmp_path):
     (tmp_path / "p.urdf").write_text(PENDULUM.format(kind="joint-position-controller", inside=inside))
     twin = TwinBuilder().robot("p", tmp_path / "p.urdf").build()
     twin.publish("/p/joint/j/0/cmd_pos", {"data": 0.0})
-    twin.apply_wrench("p::disc", torque=(0, 0, 2), duration=20)
+    twin.entities.apply_wrench("p::disc", torque=(0, 0, 2), duration=20)
     twin.advance_to(10.0)
     assert twin.robot_state("p").positions[0] == pytest.approx(0, abs=1e-3)
 
@@ -256,7 +256,7 @@ def test_of_two_plugins_at_a_joint_the_first_has_its_servo_and_its_effort(tmp_pa
 def test_a_topic_with_a_placeholder_that_nobody_filled_is_a_name(tmp_path):
     text = PENDULUM.format(kind="joint-position-controller", inside="<topic>a/{b}/c</topic>")
     (tmp_path / "p.urdf").write_text(text)
-    assert any("{b}" in topic for topic in TwinBuilder().robot("p", tmp_path / "p.urdf").build().topics())
+    assert any("{b}" in topic for topic in TwinBuilder().robot("p", tmp_path / "p.urdf").build().graph.topics())
 
 
 @pytest.mark.parametrize("engine", ["discrete", "cenic"])

@@ -11,8 +11,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import InputError
 from drake_twin.planning.controller_plan import chained_to, is_chained
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.planning.plans import plan_robots
-from drake_twin.planning.robot_plan import plan_robot
 from drake_twin.scenario import Robot, Scenario
 
 LINK = (
@@ -143,7 +143,7 @@ def test_of_two_that_write_one_reference_the_first_is_active(plan):
     writers = {name: forward("pid/wheel", interface="position") for name in ("first", "second")}
     found = plan(pid=pid("wheel"), **writers)
     assert states(found) == {"pid": "active", "first": "active", "second": "inactive"}
-    (text,) = found.not_started
+    (text,) = found.findings.not_started
     assert "pid/wheel/position is already claimed by first" in text
 
 
@@ -162,7 +162,7 @@ def test_nothing_of_a_chain_above_an_inactive_controller_is_active_at_the_start(
         top=forward("above/wheel", interface="position"),
     )
     assert states(found) == dict.fromkeys(("top", "above", "pid"), "inactive")
-    texts = "\n".join(found.not_started)
+    texts = "\n".join(found.findings.not_started)
     assert "controller above: it writes to pid, which is not active" in texts
     assert "controller top: it writes to above, which is not active" in texts
 
@@ -175,14 +175,14 @@ def test_nothing_is_active_at_the_start_above_a_controller_whose_claims_are_take
         last=forward("arm/left", interface="position"),
     )
     assert states(found) == {"first": "active", "top": "inactive", "pid": "inactive", "last": "active"}
-    assert any("controller top: it writes to pid, which is not active" in text for text in found.not_started)
+    assert any("controller top: it writes to pid, which is not active" in text for text in found.findings.not_started)
 
 
 def test_what_is_inactive_claims_nothing_and_conflicts_with_nothing(plan):
     one, other = forward("wheel"), forward("arm/left", "wheel")
     found = plan(one=one, other=other, inactive=("one",))
     assert states(found) == {"other": "active", "one": "inactive"}
-    assert found.not_started == ()
+    assert found.findings.not_started == ()
     assert states(plan(one=one, other=other, active=("one",), inactive=("one", "other"))) == {
         "one": "active",
         "other": "inactive",

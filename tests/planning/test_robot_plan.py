@@ -3,8 +3,8 @@ from conftest import ARM, ROVER
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.planning.plans import plan_robots
-from drake_twin.planning.robot_plan import plan_robot
 from drake_twin.planning.topics import controller_topic, robot_topic
 from drake_twin.scenario import Robot, Scenario, ScenarioError
 
@@ -76,7 +76,7 @@ def test_commands_are_bounded_by_the_tightest_of_urdf_and_ros2_control(cart):
 
 
 def test_the_update_rate_is_the_parameters_files(cart):
-    assert cart().update_rate == 50
+    assert cart().manager.update_rate == 50
 
 
 def test_a_joint_the_robot_lacks_is_named_with_file_line_and_the_joints_there_are(cart):
@@ -96,7 +96,7 @@ def test_a_controller_without_joints_is_refused(cart):
 def test_a_joint_without_a_velocity_interface_keeps_the_controller_from_starting(cart):
     plan = cart(CONTROLLERS.replace("[left_joint]", "[right_joint]"), right="effort")
     assert states(plan) == {"one": "unloaded"}
-    (reason,) = plan.not_started
+    (reason,) = plan.findings.not_started
     has_none = "joint right_joint has no velocity command interface in <ros2_control> (it has effort)"
     assert reason == f"cart: controller one: {has_none} (controllers.yaml:7)"
 
@@ -108,7 +108,7 @@ def test_two_controllers_on_one_joint_conflict_and_the_first_wins(cart):
     text += "two:\n  ros__parameters:\n    joints: [right_joint, left_joint]\n"
     plan = cart(text)
     assert states(plan) == {"two": "active", "one": "inactive"}
-    assert plan.not_started == (
+    assert plan.findings.not_started == (
         "cart: controller one: resource conflict, left_joint/velocity is already claimed by two (controllers.yaml:8)",
     )
 
@@ -117,7 +117,7 @@ def test_a_controller_type_that_is_not_supported_is_said_and_the_others_start(ca
     text = CONTROLLERS.replace("    one: {", "    own: {type: my_controllers/OwnController}\n    one: {")
     plan = cart(text)
     assert states(plan) == {"own": "unloaded", "one": "active"}
-    (sentence,) = plan.not_started
+    (sentence,) = plan.findings.not_started
     assert sentence.startswith(
         "cart: controller own: type my_controllers/OwnController is not supported; a module that"
     )
@@ -155,15 +155,15 @@ def test_of_several_interfaces_velocity_goes_before_position_and_effort(cart):
 def test_a_proportional_gain_is_of_the_error_in_each_update(cart):
     gain = '<hardware><param name="position_proportional_gain">0.05</param></hardware><joint name="left_joint"><c'
     plan = cart(file=TWO_WHEELS.replace('<joint name="left_joint"><c', gain))
-    assert plan.position_time_constant == pytest.approx(1 / (0.05 * 50))  # s, at 50 Hz
-    assert cart().position_time_constant == pytest.approx(1 / (0.1 * 50))  # gz_ros2_control's default
+    assert plan.joints.position_time_constant == pytest.approx(1 / (0.05 * 50))  # s, at 50 Hz
+    assert cart().joints.position_time_constant == pytest.approx(1 / (0.1 * 50))  # gz_ros2_control's default
 
 
 @pytest.mark.parametrize("plugin", ["gazebo_ros2_control/GazeboSystem", "mock_components/GenericSystem"])
 def test_hardware_that_sets_positions_follows_within_an_update(cart, plugin):
     hardware = f'<hardware><plugin>{plugin}</plugin></hardware><joint name="left_joint"><c'
     plan = cart(file=TWO_WHEELS.replace('<joint name="left_joint"><c', hardware))
-    assert plan.position_time_constant == pytest.approx(1 / 50)
+    assert plan.joints.position_time_constant == pytest.approx(1 / 50)
 
 
 def test_dry_friction_is_modelled_where_there_is_some_and_a_follower_has_its_leaders(cart):
@@ -178,8 +178,8 @@ def test_dry_friction_is_modelled_where_there_is_some_and_a_follower_has_its_lea
 
 
 def test_joints_start_at_the_scenarios_position_then_at_initial_value_then_at_zero(cart):
-    assert cart().start_positions == {"left_joint": 0.5, "right_joint": 0.0}
-    assert cart(initial_positions={"left_joint": 1.5}).start_positions["left_joint"] == 1.5
+    assert cart().joints.start_positions == {"left_joint": 0.5, "right_joint": 0.0}
+    assert cart(initial_positions={"left_joint": 1.5}).joints.start_positions["left_joint"] == 1.5
 
 
 def test_an_initial_position_of_no_joint_is_refused(cart):
@@ -189,25 +189,27 @@ def test_an_initial_position_of_no_joint_is_refused(cart):
 
 def test_a_start_beyond_the_limits_is_clamped_and_said():
     plan = plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 2.0}), PACKAGES)
-    assert plan.start_positions["joint_4"] == 0.8
-    assert plan.start_positions["joint_5"] == -0.8
-    assert "joint joint_4 starts at its limit 0.8 instead of 2" in plan.warnings[0]
+    assert plan.joints.start_positions["joint_4"] == 0.8
+    assert plan.joints.start_positions["joint_5"] == -0.8
+    assert "joint joint_4 starts at its limit 0.8 instead of 2" in plan.findings.warnings[0]
 
 
 def test_joints_that_start_at_the_same_limit_are_one_warning(cart):
     limit = '<limit lower="1" upper="2" effort="1" velocity="8"/></joint>'
     file = TWO_WHEELS.replace("continuous", "revolute").replace('<limit effort="1" velocity="8"/></joint>', limit)
     file = file.replace('<child link="right"/></joint>', f'<child link="right"/>{limit}').replace(">0.5<", ">0<")
-    assert [item for item in cart(file=file).warnings if "start" in item] == [
+    assert [item for item in cart(file=file).findings.warnings if "start" in item] == [
         "cart: joints left_joint, right_joint start at their limit 1 instead of 0"
     ]
 
 
 def test_a_start_of_a_joint_that_follows_another_is_said():
     plan = plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 0.3, "joint_5": 0.1}), PACKAGES)
-    assert plan.start_positions["joint_5"] == -0.3
-    assert plan.warnings == ("arm: joint joint_5 follows joint_4: it starts at -0.3 instead of 0.1",)
-    assert not plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 0.3, "joint_5": -0.3}), PACKAGES).warnings
+    assert plan.joints.start_positions["joint_5"] == -0.3
+    assert plan.findings.warnings == ("arm: joint joint_5 follows joint_4: it starts at -0.3 instead of 0.1",)
+    assert not plan_robot(
+        Robot("arm", ARM, initial_positions={"joint_4": 0.3, "joint_5": -0.3}), PACKAGES
+    ).findings.warnings
 
 
 def test_link_names_that_carry_the_robots_name_need_no_frame_prefix():

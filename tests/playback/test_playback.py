@@ -42,21 +42,21 @@ def test_a_twins_bag_has_each_link_where_the_twin_had_it(tmp_path, played):
     twin = builder.robot("arm", ARM, xyz=(0, -2, 0)).build()
     twin.publish("/robot_1/forward_velocity_controller/commands", [1.0, 4.0, 1.0, 4.0])
     twin.publish("/robot_2/forward_velocity_controller/commands", [-3.0] * 4)
-    links = [f"{plan.name}::{link}" for plan in twin.plans for link in plan.description.links if link != "world"]
+    links = [f"{plan.name}::{link}" for plan in twin.built.plans for link in plan.description.links if link != "world"]
     seen = {}
 
     def see(message):
-        seen[round(twin.time, 6)] = {link: twin.entity_state(link) for link in links}
+        seen[round(twin.time, 6)] = {link: twin.entities.state(link) for link in links}
 
     record(twin, tmp_path / "bag", 1.0, see)
     player, shown = played(tmp_path / "bag")
-    assert {plan.name for plan in shown.plans} == {"robot_1", "robot_2", "arm"}
+    assert {plan.name for plan in shown.built.plans} == {"robot_1", "robot_2", "arm"}
     times = sorted(seen)
     assert len(times) >= 10
     for time in times[5::5]:
         player.advance_to(time + 1e-6)
         for link in links:
-            state, expected = shown.entity_state(link), seen[time][link]
+            state, expected = shown.entities.state(link), seen[time][link]
             np.testing.assert_allclose(state.position, expected.position, atol=1e-9, err_msg=f"{link} at {time}")
             assert abs(np.dot(state.orientation, expected.orientation)) == pytest.approx(1.0, abs=1e-9)
 
@@ -66,13 +66,13 @@ def test_a_twins_bag_has_each_link_where_the_twin_had_it(tmp_path, played):
 def test_another_programs_bag(tmp_path, played, plugin, namespace):
     """At 1 s the cart is 1 m along x of odom, which is y of map, and its mast is lifted by 0.25 m."""
     player, twin = played(write(tmp_path / "bag", cart_messages(namespace), plugin))
-    (plan,) = twin.plans
+    (plan,) = twin.built.plans
     assert plan.name == (namespace.strip("/").replace("/", "_") or "cart")
     player.advance_to(1.0)
-    base = twin.entity_state(plan.name)
+    base = twin.entities.state(plan.name)
     np.testing.assert_allclose(base.position, [1.0, 1.0, 0.5], atol=1e-12)
     np.testing.assert_allclose(base.orientation, [HALF, 0, 0, HALF], atol=1e-12)
-    np.testing.assert_allclose(twin.entity_state(f"{plan.name}::mast").position, [1.0, 1.0, 0.75], atol=1e-12)
+    np.testing.assert_allclose(twin.entities.state(f"{plan.name}::mast").position, [1.0, 1.0, 0.75], atol=1e-12)
     state = {"robots": {plan.name: {}}}
     player.amend(state)
     assert state["time"] == 1.0
@@ -84,7 +84,7 @@ def test_time_controls(tmp_path, played, caplog):
     player, twin = played(write(tmp_path / "bag", cart_messages()))
 
     def height():
-        return twin.entity_state("cart::mast").position[2]
+        return twin.entities.state("cart::mast").position[2]
 
     player.do(protocol.Play())
     player.do(protocol.SetRate(2.0))
@@ -133,11 +133,11 @@ def test_a_bag_that_is_looked_at_again_shows_the_same(tmp_path, played):
 
     player, twin = played(write(tmp_path / "bag", messages()))
     player.advance_to(0.0)
-    first = twin.entity_state("cart").position, twin.entity_state("cart::mast").position
+    first = twin.entities.state("cart").position, twin.entities.state("cart::mast").position
     player.do(protocol.Look(2.5))
-    assert twin.entity_state("cart").position[2] == pytest.approx(7.5)
+    assert twin.entities.state("cart").position[2] == pytest.approx(7.5)
     player.do(protocol.Look(0.0))
-    again = twin.entity_state("cart").position, twin.entity_state("cart::mast").position
+    again = twin.entities.state("cart").position, twin.entities.state("cart::mast").position
     np.testing.assert_allclose(again, first, atol=1e-12)
 
 
@@ -165,7 +165,7 @@ def test_a_topic_for_all_robots_moves_each_of_them(tmp_path, played):
     player, twin = played(write(tmp_path / "bag", messages()))
     player.advance_to(0.5)
     heights = [
-        twin.entity_state(f"{name}::{name}_mast").position[2] - twin.entity_state(name).position[2]
+        twin.entities.state(f"{name}::{name}_mast").position[2] - twin.entities.state(name).position[2]
         for name in ("one", "two")
     ]
     assert heights == pytest.approx([0.25, 0.5])
@@ -185,7 +185,7 @@ def test_what_is_not_understood_is_said_once(tmp_path, played, caplog):
         "a transform of the frame 'base' is ignored: [0. 0. 0. 0. 0. 0. 0.]",
         "/joint_states: no robot of the bag has the joints wheel",
     ]
-    assert twin.entity_state("cart::mast").position[2] == pytest.approx(1.0)  # as it was before
+    assert twin.entities.state("cart::mast").position[2] == pytest.approx(1.0)  # as it was before
 
 
 def test_robots_whose_frames_are_not_connected(tmp_path, played, caplog):
@@ -203,8 +203,8 @@ def test_robots_whose_frames_are_not_connected(tmp_path, played, caplog):
     player.advance_to(0.1)
     assert player.unplaced == []
     assert "no transforms connect the frames odom_1, odom_2" in caplog.text
-    np.testing.assert_allclose(twin.entity_state("cart_1::mast").position, [1, 0, 0.5], atol=1e-12)
-    np.testing.assert_allclose(twin.entity_state("cart_2::mast").position, [2, 0, 0.25], atol=1e-12)
+    np.testing.assert_allclose(twin.entities.state("cart_1::mast").position, [1, 0, 0.5], atol=1e-12)
+    np.testing.assert_allclose(twin.entities.state("cart_2::mast").position, [2, 0, 0.25], atol=1e-12)
 
 
 def test_the_program(tmp_path, capsys):
@@ -221,7 +221,7 @@ def test_the_program(tmp_path, capsys):
 def test_descriptions_are_not_expanded_for_expressions_are_code(tmp_path, played):
     folder = write(tmp_path / "bag", cart_messages(text=CART.replace('"mast"', '"${1 + 1}"')))
     _, twin = played(folder)
-    assert "${1 + 1}" in twin.plans[0].description.links
+    assert "${1 + 1}" in twin.built.plans[0].description.links
 
 
 def refused(capsys, *arguments):

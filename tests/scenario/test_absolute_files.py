@@ -41,18 +41,18 @@ def scenario(world="w.sdf", controllers=()):
 @pytest.mark.parametrize("world", ["w.sdf", "far.sdf", "empty.sdf"])
 def test_a_snapshot_and_a_recording_mean_the_same_in_another_folder(here, monkeypatch, world):
     twin = Twin(scenario(world))
-    twin.record()
+    twin.recorder.begin()
     twin.step(5)
     saved, then = twin.snapshot(), twin.state_sha256()
     saved.save(here / "state.json")
-    twin.spawn(Robot("s", "robots/r.urdf", xyz=(3, 0, 0)))
+    twin.entities.spawn(Robot("s", "robots/r.urdf", xyz=(3, 0, 0)))
     monkeypatch.chdir(here.parent / "there")
     twin.step(5)
-    twin.recording().save(here / "run.json")
+    twin.recorder.recording().save(here / "run.json")
     assert replay(Recording.load(here / "run.json")).state_sha256() == twin.state_sha256()
     twin.restore(saved)
     assert twin.state_sha256() == then
-    twin.delete("ground_plane" if world == "empty.sdf" else "box")  # which reads the world again
+    twin.entities.delete("ground_plane" if world == "empty.sdf" else "box")  # which reads the world again
     twin.restore(Snapshot.load(here / "state.json"))
     assert twin.state_sha256() == then
 
@@ -85,9 +85,9 @@ def test_a_scenario_of_absolute_names_is_itself_and_what_is_missing_keeps_its_na
 
 def test_a_recorded_reset_to_a_scenario_with_findings_is_read_again(here):
     twin = Twin(scenario())
-    twin.record()
+    twin.recorder.begin()
     twin.reset(Scenario((Robot("r", "robots/r.urdf"),), findings=(Finding(Kind.IGNORED, "a part"),)))
-    twin.recording().save(here / "run.json")
+    twin.recorder.recording().save(here / "run.json")
     again = replay(Recording.load(here / "run.json"))
     assert again.scenario == twin.scenario
     assert again.state_sha256() == twin.state_sha256()

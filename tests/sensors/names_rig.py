@@ -9,11 +9,11 @@ INERTIAL = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="
 def table(twin):
     """The topics of sensors: (topic, type, frame, rate)."""
     found = {}
-    for plan in twin.plans:
+    for plan in twin.built.plans:
         for item in plan.sensors:
             for topic in item.topics:
                 if topic.topic is not None:
-                    assert twin.topics()[topic.topic] == topic.type
+                    assert twin.graph.topics()[topic.topic] == topic.type
                     found[topic.topic] = (topic.type, item.frame, item.rate)
     return found
 

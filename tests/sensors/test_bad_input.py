@@ -116,7 +116,7 @@ def test_a_world_on_another_planet_or_beyond_a_pole_is_nowhere_and_that_is_said(
     ):
         twin = twin_with(tmp_path, on_box("navsat"), world=f"<spherical_coordinates>{inside}</spherical_coordinates>")
         assert [finding for finding in twin.findings if what in finding.what]
-        assert twin.world_file.surroundings.spherical is None
+        assert twin.built.world_file.surroundings.spherical is None
 
 
 TAGS = (

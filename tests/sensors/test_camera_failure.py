@@ -116,7 +116,7 @@ def test_a_camera_that_cannot_be_drawn_stops_alone_and_with_its_own_reason(tmp_p
         twin.advance_to(0.35)
         assert (len(images), len(others)) == (0, 3)
         (failed,) = [item.what for item in twin.findings if item.kind is Kind.FAILED]
-        twin.spawn(Robot("other", str(tmp_path / "box.urdf"), xyz=(-3, 0, 0.1)))
+        twin.entities.spawn(Robot("other", str(tmp_path / "box.urdf"), xyz=(-3, 0, 0.1)))
         twin.advance_to(0.55)
         assert (len(images), len(others)) == (0, 5)
     assert failed.startswith("camera box/box/bad has stopped: The clipping range")
@@ -164,9 +164,9 @@ def spawn_and_delete(tmp_path, times, listens):
             twin.subscribe("/box/cam/image", images.append)
         twin.advance_to(0.05)
         for number in range(times):
-            twin.spawn(Robot("other", str(tmp_path / "box.urdf"), xyz=(-3, 0, 0.1)))
+            twin.entities.spawn(Robot("other", str(tmp_path / "box.urdf"), xyz=(-3, 0, 0.1)))
             twin.advance_to(twin.time + 0.02)
-            twin.delete("other")
+            twin.entities.delete("other")
             twin.advance_to(twin.time + 0.02)
             if listens:
                 pids.add(twin._session.built.renderer.get().process.pid)
@@ -207,6 +207,6 @@ def test_8k_at_60_hz_is_drawn_and_leaves_the_state_as_it_is(tmp_path):
 
 def test_8k_at_60_hz_is_said_and_runs(tmp_path):
     with twin_with(tmp_path, camera(size=(7680, 4320), rate=60), world="") as twin:
-        said = [text for text in twin.warnings if "7680 × 4320" in text]
+        said = [text for text in twin.findings.warnings if "7680 × 4320" in text]
         twin.advance_to(0.05)
     assert len(said) == 1

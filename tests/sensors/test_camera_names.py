@@ -126,7 +126,7 @@ def test_a_multicamera_is_its_cameras(tmp_path):
     for name in ("left", "right"):
         expected |= {f"/r/stereo/{name}/image_raw": IMAGE, f"/r/stereo/{name}/camera_info": INFO}
     assert table(twin) == {topic: (kind, "r/base_footprint", 30.0) for topic, kind in expected.items()}
-    poses = {item.sensor.name: item.sensor.pose.xyz for item in twin.plans[0].sensors}
+    poses = {item.sensor.name: item.sensor.pose.xyz for item in twin.built.plans[0].sensors}
     assert poses == {"s/left": pytest.approx((-0.1, 0, 1)), "s/right": pytest.approx((0.1, 0, 1))}
     odd = [item for item in twin.findings if "<odd> in <camera>" in item.what]
     assert [item.what for item in odd] == [
@@ -134,7 +134,7 @@ def test_a_multicamera_is_its_cameras(tmp_path):
         "<odd> in <camera> of sensor 's/right'",
     ]
     gazebos = robot_with(tmp_path, gazebo(turned, kind="multicamera"))
-    assert [text for text in gazebos.not_started if "libgazebo_ros_camera" in text]
+    assert [text for text in gazebos.findings.not_started if "libgazebo_ros_camera" in text]
 
 
 @pytest.mark.parametrize("library", ["libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so"])
@@ -172,8 +172,8 @@ def test_bridges_carry_pictures_and_infos(tmp_path):
             "/camera/camera_info": (INFO, FRAME, 0.0),
             f"{below}/depth_image": (IMAGE, "r/base_footprint/d", 0.0),
         }
-        assert any("/camera/other" in text for text in twin.warnings)
-        assert not [text for text in twin.not_started if "sensor" in text]
+        assert any("/camera/other" in text for text in twin.findings.warnings)
+        assert not [text for text in twin.findings.not_started if "sensor" in text]
 
 
 def info_of(tmp_path, text):
@@ -261,7 +261,7 @@ def test_what_has_no_effect_is_said(tmp_path):
 
 def test_other_cameras_are_not_started(tmp_path):
     with twin_with(tmp_path, on_box("thermal_camera"), on_box("wideanglecamera", name="w")) as twin:
-        assert len([text for text in twin.not_started if "the twin has no such sensor" in text]) == 2
+        assert len([text for text in twin.findings.not_started if "the twin has no such sensor" in text]) == 2
 
 
 def test_a_sensor_in_python_says_what_it_has(tmp_path):

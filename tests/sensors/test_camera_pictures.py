@@ -349,7 +349,7 @@ def test_depth_and_color_of_one_camera_are_of_the_same_instant(tmp_path):
     """A camera that turns quickly: the ball is at the same columns in both pictures."""
     world = ball([2.0, 0, HEIGHT], 0.15, "1 0 0")
     with twin_with(tmp_path, camera("rgbd_camera", (120, 30), 1.5, rate=20), world=world) as twin:
-        twin.set_entity_state("box", angular=[0, 0, 3.0])
+        twin.entities.set_state("box", angular=[0, 0, 3.0])
         colors, depths = [], []
         twin.subscribe("/box/cam/image/depth_image", depths.append)
         twin.subscribe("/box/cam/image/image", colors.append)

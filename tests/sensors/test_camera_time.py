@@ -44,7 +44,7 @@ def mesa():
 def moving_twin(folder, *cameras, **options):
     """A twin of a box that drifts and turns, so that each picture is another one."""
     twin = twin_with(folder, *(cameras or CAMERAS), world=WORLD, **options)
-    twin.set_entity_state("box", linear=[0.2, 0, 0.5], angular=[0, 0, 1.0])
+    twin.entities.set_state("box", linear=[0.2, 0, 0.5], angular=[0, 0, 1.0])
     return twin
 
 
@@ -52,7 +52,7 @@ def listen(twin, topics=TOPICS):
     """The bytes of each message by topic and stamp."""
     heard = {}
     for topic in topics:
-        kind = twin.topics()[topic]
+        kind = twin.graph.topics()[topic]
 
         def take(message, topic=topic, kind=kind):
             stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
@@ -143,10 +143,10 @@ def test_a_robot_that_joins_is_seen_until_it_leaves(tmp_path):
         other.write_text(body.format(on_box("imu")).replace('"box"', '"other"'))
         reading = twin.sensor("box", "s")
         alone = reading.image.tobytes()
-        twin.spawn(Robot("other", str(other), xyz=(0, 0.5, 0.1)))
+        twin.entities.spawn(Robot("other", str(other), xyz=(0, 0.5, 0.1)))
         both = reading.image.tobytes()
         state = twin.snapshot()
-        twin.delete("other")
+        twin.entities.delete("other")
         assert alone == reading.image.tobytes()
         twin.restore(state)
         assert both == reading.image.tobytes()
@@ -188,7 +188,7 @@ def test_a_reset_repeats(tmp_path, first):
         listen(twin)
         twin.advance_to(0.13)
         twin.reset()
-        twin.set_entity_state("box", linear=[0.2, 0, 0.5], angular=[0, 0, 1.0])
+        twin.entities.set_state("box", linear=[0.2, 0, 0.5], angular=[0, 0, 1.0])
         heard = listen(twin)
         twin.advance_to(END)
         assert heard == first[0]
@@ -212,9 +212,9 @@ def test_a_spawn_in_between_keeps_what_is_asked_for(tmp_path, first):
     with moving_twin(tmp_path) as twin:
         heard = listen(twin)
         twin.advance_to(0.12)
-        twin.spawn(Robot("other", str(tmp_path / "box.urdf"), xyz=(-30, 0, 0.1)))
+        twin.entities.spawn(Robot("other", str(tmp_path / "box.urdf"), xyz=(-30, 0, 0.1)))
         twin.advance_to(0.14)
-        twin.delete("other")
+        twin.entities.delete("other")
         twin.advance_to(END)
         before = {key: data for key, data in heard.items() if key[1] <= 100_000_000}
         assert len(before) > 10

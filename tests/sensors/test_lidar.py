@@ -83,8 +83,8 @@ def test_without_embree_a_lidar_is_not_started_and_the_twin_runs_on(tmp_path, mo
     monkeypatch.setattr("drake_twin.sensors.lidar.find_spec", lambda name: None)
     twin = twin_with(tmp_path, lidar(), world=WALL.format(2.1, 0))
     twin.advance_to(0.1)
-    assert "/box/scan" not in twin.topics()
-    assert any("lidars need embreex, which is not installed" in text for text in twin.not_started)
+    assert "/box/scan" not in twin.graph.topics()
+    assert any("lidars need embreex, which is not installed" in text for text in twin.findings.not_started)
 
 
 def test_the_ground_is_seen(tmp_path):
@@ -100,15 +100,15 @@ def test_beyond_the_largest_range_is_infinite(tmp_path):
 
 def test_the_scan_of_a_robot_that_turns_is_that_of_a_twin_built_at_its_pose(tmp_path):
     turning = twin_with(tmp_path, lidar(), world=WALL.format(2.1, 0.3))
-    turning.set_entity_state("box", linear=[0.3, 0.1, 0.0], angular=[0.0, 0.0, 0.8])
+    turning.entities.set_state("box", linear=[0.3, 0.1, 0.0], angular=[0.0, 0.0, 0.8])
     ranges = []
-    turning.subscribe("/box/scan", lambda scan: ranges.append((turning.entity_state("box"), scan.ranges)))
+    turning.subscribe("/box/scan", lambda scan: ranges.append((turning.entities.state("box"), scan.ranges)))
     turning.advance_to(0.45)
     assert len(ranges) == 5
     assert ranges[0][1][2] != ranges[-1][1][2]
     for state, seen in ranges:
         still = twin_with(tmp_path, lidar(), world=WALL.format(2.1, 0.3))
-        still.set_entity_state("box", position=state.position, orientation=state.orientation)
+        still.entities.set_state("box", position=state.position, orientation=state.orientation)
         assert still.latest("/box/scan").ranges.tobytes() == seen.tobytes()
 
 
@@ -151,7 +151,7 @@ def test_what_gazebo_classics_plugin_publishes(tmp_path, output, kind):
         lidar("ray", ranges="<min>0.3</min><max>3.5</max>", part="ray", plugin=plugin),
         world=WALL.format(2.1, 0),
     )
-    assert twin.topics()["/box/front"] == f"sensor_msgs/msg/{kind}"
+    assert twin.graph.topics()["/box/front"] == f"sensor_msgs/msg/{kind}"
     message = heard(twin, "/box/front")[-1]
     assert message.header.frame_id.endswith("lens")
     if kind == "Range":
@@ -270,5 +270,5 @@ def test_a_robot_sees_another_one(tmp_path):
     angles = np.linspace(-0.2, 0.2, 5)
     expected = 1.5 * np.cos(angles) - np.sqrt(0.3**2 - (1.5 * np.sin(angles)) ** 2)
     assert twin.latest("/r0/scan").ranges == pytest.approx(expected, abs=1e-4)
-    twin.set_entity_state("r1", position=[0.2, 0.0, 0.1])
+    twin.entities.set_state("r1", position=[0.2, 0.0, 0.1])
     assert twin.latest("/r0/scan").ranges[2] == np.inf

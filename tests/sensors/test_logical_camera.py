@@ -61,13 +61,13 @@ def test_robots_moving_models_and_models_inside_models_are_seen(tmp_path):
     falling = f'<model name="stone"><pose>5 1 2 0 0 0</pose>{body}</model>'
     inner = f'<model name="knob"><pose>0 0 0.5 0 0 0</pose>{body}</model>'
     twin = twin_with(tmp_path, eye(), world=falling + thing("door", 6, -1, 1, inside=inner), time_step=0.001)
-    twin.spawn(Robot("rover", ROVER, xyz=(7, 0, 0.13)))
+    twin.entities.spawn(Robot("rover", ROVER, xyz=(7, 0, 0.13)))
     assert [*seen(twin)] == ["door", "knob", "rover", "stone"]
     assert xyz(seen(twin)["knob"].position) == pytest.approx([6, -1, 0.4], abs=1e-9)
     assert xyz(seen(twin)["rover"].position) == pytest.approx([7, 0, -0.97], abs=1e-9)
     twin.advance_to(0.5)
     assert seen(twin)["stone"].position.z == pytest.approx(0.9 - 9.81 / 8, abs=0.01)
-    twin.delete("rover")
+    twin.entities.delete("rover")
     assert "rover" not in seen(twin)
 
 

@@ -69,7 +69,7 @@ def test_without_a_bridge_a_sensor_is_below_the_robots_namespace(tmp_path, senso
 def test_a_camera_has_its_optical_frame(tmp_path, more, frame):
     twin = robot_with(tmp_path, gazebo(f"<gz_frame_id>other</gz_frame_id><camera>{more}</camera>", kind="camera"))
     assert {found for _, found, _ in table(twin).values()} == {frame}
-    assert not [text for text in twin.warnings if "optical" in text]
+    assert not [text for text in twin.findings.warnings if "optical" in text]
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_two_sensors_with_one_topic_are_a_warning_and_the_first_one_publishes(tm
     sensors = [gazebo("<topic>imu</topic>", name=name) for name in ("one", "two")]
     twin = robot_with(tmp_path, *sensors, gazebo("<topic>imu</topic>", name="three", kind="navsat"))
     assert table(twin) == {"/r/imu": (IMU, "r/base_footprint/one", 0.0)}
-    found = [text for text in twin.warnings if "publishes on /r/imu, too: the first one does" in text]
+    found = [text for text in twin.findings.warnings if "publishes on /r/imu, too: the first one does" in text]
     assert [text.split("'")[1] for text in found] == ["two", "three"]
 
 
@@ -264,7 +264,7 @@ def test_husarions_bridge_names_a_topic_once(tmp_path):
     bridge = node("ros_gz_bridge", "parameter_bridge", parameters=[{"config_file": str(file)}])
     twin = Twin(spawned(tmp_path, HUSARION, "rosbot_xl", bridge))
     assert table(twin) == {"/imu/data_raw": (IMU, "imu_link", 25.0)}
-    assert any("'gps'" in text and "no bridge carries /gps/fix to ROS" in text for text in twin.warnings)
+    assert any("'gps'" in text and "no bridge carries /gps/fix to ROS" in text for text in twin.findings.warnings)
 
 
 def test_linorobot2s_imu_and_scan_of_gazebo_classic(corpus):
@@ -297,7 +297,7 @@ def test_a_sensor_of_ros2_control_needs_no_bridge(tmp_path):
     states = "".join(f"<state_interface name='orientation.{axis}'/>" for axis in "xyzw")
     control = f"<ros2_control name='c' type='system'><sensor name='imu'>{states}</sensor></ros2_control></robot>"
     twin = Twin(spawned(tmp_path, HUSARION.replace("</robot>", control), "panther", bridge))
-    (about,) = [text for text in twin.warnings if "no bridge carries" in text]
+    (about,) = [text for text in twin.findings.warnings if "no bridge carries" in text]
     assert "sensor 'gps'" in about
 
 
@@ -305,7 +305,7 @@ def test_a_bridge_without_sensors_leaves_them_in_gazebo(tmp_path):
     bridge = node("ros_gz_bridge", "parameter_bridge", "/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock")
     twin = Twin(spawned(tmp_path, TURTLEBOT3, "burger", bridge))
     assert table(twin) == {}
-    assert any("no bridge carries /imu to ROS" in text for text in twin.warnings)
+    assert any("no bridge carries /imu to ROS" in text for text in twin.findings.warnings)
     assert set(table(Twin(spawned(tmp_path, TURTLEBOT3, "burger")))) == {"/imu", "/scan", "/scan/points"}
 
 

@@ -35,12 +35,12 @@ def scenario(tmp_path):
 def measured(scenario):
     """The numbers of each message: angular velocities (rad/s), ranges (m); and how the box turned then (rad/s)."""
     twin = Twin(scenario)
-    imu, lidar = (next(topic for topic in twin.topics() if f"/box/{name}/" in topic) for name in "il")
+    imu, lidar = (next(topic for topic in twin.graph.topics() if f"/box/{name}/" in topic) for name in "il")
     rates, ranges, turning = [], [], []
 
     def listen(message):
         rates.append(xyz(message.angular_velocity))
-        turning.append(twin.entity_state("box").angular)
+        turning.append(twin.entities.state("box").angular)
 
     twin.subscribe(imu, listen)
     twin.subscribe(lidar, lambda message: ranges.append(message.ranges))
@@ -87,7 +87,7 @@ def test_the_factor_of_one_robot_is_not_that_of_another(scenario):
     twin.advance_to(0.1)
     rates = [
         xyz(twin.latest(topic).angular_velocity)
-        for topic, kind in sorted(twin.topics().items())
+        for topic, kind in sorted(twin.graph.topics().items())
         if kind == "sensor_msgs/msg/Imu"
     ]
     assert [np.abs(rate).max() > 0.1 for rate in rates] == [True, False]
@@ -97,7 +97,7 @@ def test_set_on_a_built_twin_is_the_same_to_the_byte_as_built_with_it(scenario):
     varied = with_value(scenario, "box.noise", 2.0)
 
     def heard(twin):
-        imu = next(topic for topic in twin.topics() if "/box/i/" in topic)
+        imu = next(topic for topic in twin.graph.topics() if "/box/i/" in topic)
         found = []
         twin.subscribe(
             imu, lambda message: found.append(bytes(type_store().serialize_cdr(message, "sensor_msgs/msg/Imu")))

@@ -54,7 +54,7 @@ def test_an_altimeter_falls_as_a_stone(tmp_path):
 
 def test_an_altimeter_beside_the_axis_of_a_turning_link_moves_up_and_down(tmp_path):
     twin = twin_with(tmp_path, on_box("altimeter", "<pose>0.5 0 0 0 0 0</pose>"), xyz=(0, 0, 50))
-    twin.set_entity_state("box", linear=(0, 0, 1.0), angular=(0, 2.0, 0))
+    twin.entities.set_state("box", linear=(0, 0, 1.0), angular=(0, 2.0, 0))
     message = twin.latest("/box/s/altimeter")
     assert message.vertical_velocity == pytest.approx(1.0 - 2.0 * 0.5)
 
@@ -130,13 +130,13 @@ def test_with_the_heading_the_x_axis_points_north_at_90_degrees():
 def test_a_world_that_is_nowhere_has_no_fix_and_says_so(tmp_path):
     twin = twin_with(tmp_path, on_box("navsat"))
     assert twin.latest("/box/s/navsat") is None
-    assert any("no <spherical_coordinates>" in warning for warning in twin.warnings)
+    assert any("no <spherical_coordinates>" in warning for warning in twin.findings.warnings)
 
 
 def test_gazebo_classics_receiver_publishes_its_velocity_too(tmp_path):
     inside = '<update_rate>5</update_rate><plugin name="gps" filename="libgazebo_ros_gps_sensor.so"/>'
     twin = twin_with(tmp_path, on_box("gps", inside), world=NAVSAT.format(48.1, 11.5, 520.0, 90.0), xyz=(0, 0, 50))
-    twin.set_entity_state("box", linear=(3.0, 1.0, 0))
+    twin.entities.set_state("box", linear=(3.0, 1.0, 0))
     velocity = twin.latest("/box/gps/vel")
     assert xyz(velocity.vector) == pytest.approx([-1.0, 3.0, 0.0], abs=1e-9)  # x is north, y is west
     assert velocity.header.frame_id == "box/box"
@@ -150,7 +150,7 @@ def test_p3d_is_the_true_pose_and_twist_in_the_world(tmp_path):
     plugin = """<gazebo><plugin name="truth" filename="libgazebo_ros_p3d.so"><body_name>box</body_name>
       <xyz_offset>1 2 3</xyz_offset><ros><remapping>odom:=truth/odom</remapping></ros></plugin></gazebo>"""
     twin = twin_with(tmp_path, plugin, xyz=(0, 0, 50))
-    twin.set_entity_state("box", position=(4, 5, 60), linear=(1, 2, 0), angular=(0, 0, 1))
+    twin.entities.set_state("box", position=(4, 5, 60), linear=(1, 2, 0), angular=(0, 0, 1))
     message = twin.latest("/box/truth/odom")
     assert xyz(message.pose.pose.position) == pytest.approx([5, 7, 63])
     assert xyz(message.twist.twist.linear) == pytest.approx([1, 2, 0])
@@ -178,7 +178,7 @@ def test_the_forces_on_a_resting_box_sum_to_its_weight(tmp_path, style):
     normals = [xyz(normal) for item in message.contacts for normal in item.normals]
     assert normals == pytest.approx(np.array([[0, 0, 1]] * len(normals)), abs=1e-6)
     depths = [depth for item in message.contacts for depth in item.depths]
-    sunk = START_HEIGHT - twin.entity_state("box").position[2]
+    sunk = START_HEIGHT - twin.entities.state("box").position[2]
     assert max(depths) == pytest.approx(sunk, rel=0.02)
     positions = [position.z for item in message.contacts for position in item.positions]
     assert max(map(abs, positions)) < 1e-3
@@ -235,11 +235,15 @@ def test_a_shape_with_a_name_of_its_own_is_found_by_both_names(tmp_path):
     """Gazebo's reader takes each name that does not begin with the link's for that of a folded link's shape."""
     body = FOLDED.replace('<collision><origin xyz="0 0 1"/>', '<collision name="roof"><origin xyz="0 0 1"/>')
     for name in ("box_fixed_joint_lump__roof_collision", "roof_collision", "roof"):
-        assert not any("collision shape" in text for text in twin_with(tmp_path, contact(name), body=body).warnings)
+        assert not any(
+            "collision shape" in text for text in twin_with(tmp_path, contact(name), body=body).findings.warnings
+        )
 
 
 def test_a_shape_that_the_link_lacks_is_a_warning_with_those_that_it_has(tmp_path):
-    (warning,) = [text for text in twin_with(tmp_path, contact("roof"), body=FOLDED).warnings if "roof" in text]
+    (warning,) = [
+        text for text in twin_with(tmp_path, contact("roof"), body=FOLDED).findings.warnings if "roof" in text
+    ]
     assert "it has box_collision, box_fixed_joint_lump__shoe_collision_1" in warning
 
 
@@ -258,7 +262,9 @@ def test_a_force_torque_sensor_publishes_what_its_broadcaster_would(tmp_path):
     twin = twin_with(tmp_path / "arm", sensor, plugin.replace('name="f"', 'name="f"'), body=arm, world=None)
     twin.advance_to(0.01)
     assert xyz(twin.latest("/box/wrench").wrench.force) == pytest.approx([0, 0, -2 * G])
-    assert any("publishes on /box/wrench, too" in warning for warning in twin.warnings)  # the plugin's is the same
+    assert any(
+        "publishes on /box/wrench, too" in warning for warning in twin.findings.warnings
+    )  # the plugin's is the same
     twin = twin_with(tmp_path / "arm", plugin, body=arm, world=None)
     message = twin.latest("/box/wrench")
     assert xyz(message.wrench.force) == pytest.approx([0, 0, 2 * G])  # body2Force: on the child

@@ -38,7 +38,7 @@ def listen(twin, topics=TOPICS):
     """The bytes of each message by topic and time."""
     heard = {}
     for topic in topics:
-        kind = twin.topics()[topic]
+        kind = twin.graph.topics()[topic]
 
         def take(message, topic=topic, kind=kind):
             heard[topic, round(twin.time, 9)] = bytes(type_store().serialize_cdr(message, kind))
@@ -111,10 +111,10 @@ def test_a_spawn_in_between_leaves_the_noise_as_it_was(tmp_path):
         twin.subscribe("/box/m/magnetometer", lambda message: fields.append(message.magnetic_field.x))
         twin.advance_to(0.1)
         if spawns:
-            twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
+            twin.entities.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
         twin.advance_to(0.2)
         if spawns:
-            twin.delete("other")
+            twin.entities.delete("other")
         twin.advance_to(0.3)
         return fields
 
@@ -126,7 +126,7 @@ def test_another_step_leaves_the_wandering_bias_as_it_was(tmp_path):
     fields = []
     twin.subscribe("/box/m/magnetometer", lambda message: fields.append(message.magnetic_field.x))
     twin.advance_to(0.1)
-    twin.set_time_step(0.005)
+    twin.clock.set_time_step(0.005)
     twin.advance_to(0.3)
     again = twin_with(tmp_path, on_box("magnetometer", MAGNETOMETER, "m"))
     expected = []
@@ -217,12 +217,15 @@ def test_a_spawn_in_between_changes_no_byte_of_a_robot_that_touches_nothing(tmp_
     def run(spawns):
         twin = twin_with(tmp_path, *SENSORS[:2], rays, body=body, xyz=(0, 0, 3.0))
         heard = listen(twin, topics)
-        for time, act in ((0.1, lambda: twin.spawn(Robot("other", ROVER, xyz=(-30, 0, 0.13)))), (0.2, lambda: None)):
+        for time, act in (
+            (0.1, lambda: twin.entities.spawn(Robot("other", ROVER, xyz=(-30, 0, 0.13)))),
+            (0.2, lambda: None),
+        ):
             twin.advance_to(time)
             if spawns:
                 act()
         if spawns:
-            twin.delete("other")
+            twin.entities.delete("other")
         twin.advance_to(0.3)
         return heard
 

@@ -85,7 +85,7 @@ def test_without_a_bridge_a_sensor_is_below_its_models_name_and_a_plugins_in_the
     topic, kind, frame = expected
     twin = twin_in(tmp_path, model(link(inside), static=static))
     assert table(twin) == {topic: (kind, frame, 0.0)}
-    assert twin.topics()[topic] == kind
+    assert twin.graph.topics()[topic] == kind
 
 
 def test_a_bridge_carries_default_and_given_topics(tmp_path):
@@ -101,7 +101,7 @@ def test_a_bridge_carries_default_and_given_topics(tmp_path):
     scenario = launched(tmp_path, gz(str(file)), create("-file", robot, "-name", "r"), bridge).scenario
     twin = Twin(scenario)
     assert table(twin) == {"/post_imu": (IMU, "post/l/s", 0.0), "/scan": (SCAN, "post/l/lds", 5.0)}
-    warnings = [*texts(scenario.findings, Kind.WARNING), *twin.warnings]
+    warnings = [*texts(scenario.findings, Kind.WARNING), *twin.findings.warnings]
     assert any(
         "'s'" in text and "no bridge carries /world/*/model/other/link/l/sensor/s/imu" in text for text in warnings
     )
@@ -251,6 +251,6 @@ def test_listeners_of_a_worlds_sensor_outlive_a_spawn(tmp_path):
     heard = []
     twin.subscribe("/post/s/imu", heard.append)
     twin.advance_to(0.1)
-    twin.spawn(Robot("other", ROVER, xyz=(5, 0, 0.13)))
+    twin.entities.spawn(Robot("other", ROVER, xyz=(5, 0, 0.13)))
     twin.advance_to(0.2)
     assert len(heard) == 20

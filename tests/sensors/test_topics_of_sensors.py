@@ -35,7 +35,7 @@ def stamps(messages):
 
 def test_an_imu_publishes_its_own_topic_at_its_rate_with_its_frame(tmp_path):
     twin = twin_with(tmp_path, imu("<topic>/imu</topic><update_rate>40</update_rate>"))
-    assert twin.topics()["/box/imu"] == "sensor_msgs/msg/Imu"
+    assert twin.graph.topics()["/box/imu"] == "sensor_msgs/msg/Imu"
     messages = heard(twin, "/box/imu")
     twin.advance_to(0.5)
     assert stamps(messages) == pytest.approx([k / 40 for k in range(20)], abs=1e-9)
@@ -101,7 +101,7 @@ def test_of_two_sensors_of_one_name_on_a_link_gazebo_makes_the_first(tmp_path):
     (finding,) = [item for item in twin.findings if item.kind is Kind.NOT_STARTED]
     assert finding.lines == (6,)
     assert "a sensor before it has this name" in finding.what
-    assert [item.rate for item in twin.plans[0].sensors] == [6.0]
+    assert [item.rate for item in twin.built.plans[0].sensors] == [6.0]
 
 
 def test_what_no_kind_reads_is_ignored_with_its_line(tmp_path):

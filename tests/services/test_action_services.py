@@ -130,7 +130,7 @@ def test_a_goal_and_its_result_survive_a_spawn(twin):
     assert ask("send_goal", goal_id=uuid(FIRST), goal=goal())["accepted"]
     twin.advance_to(0.05)
     result = ask("get_result", goal_id=uuid(FIRST))
-    twin.spawn(Robot("other", ARM, xyz=(0.0, 3.0, 0.0)))
+    twin.entities.spawn(Robot("other", ARM, xyz=(0.0, 3.0, 0.0)))
     next(result)
     twin.advance_to(1.0)
     assert ended(result)["status"] == ended(ask("get_result", goal_id=uuid(FIRST)))["status"] == 4
@@ -147,12 +147,12 @@ def test_simulate_steps(twin):
     news = []
     for _ in range(2000):
         news += server.news()
-        if twin.step_count == 500:
+        if twin.clock.step_count == 500:
             break
     news += server.news()
     response = ended(call(server, "get_result", goal_id=uuid(FIRST)))
     assert response == {"status": 4, "result": {"result": {"result": 1, "error_message": ""}}}
-    assert (twin.step_count, twin.paused) == (500, True)
+    assert (twin.clock.step_count, twin.clock.paused) == (500, True)
     assert [fields["status_list"][0]["status"] for topic, fields in news if topic == server.status_topic.name][-1] == 4
 
 
@@ -161,7 +161,7 @@ def test_simulate_steps_is_cancelled(twin):
     twin.pause()
     call(server, "send_goal", goal_id=uuid(FIRST), goal=Message(steps=1_000_000))
     assert len(cancel(server, FIRST)["goals_canceling"]) == 1
-    made = twin.step_count
+    made = twin.clock.step_count
     list(server.news())
-    assert twin.step_count == made
+    assert twin.clock.step_count == made
     assert ended(call(server, "get_result", goal_id=uuid(FIRST)))["status"] == 5

@@ -106,7 +106,7 @@ def test_parameters_of_the_state_publisher(twin):
         twin, "/robot_1/robot_state_publisher/get_parameters", names=["robot_description", "use_sim_time", "other"]
     )["values"]
     assert values == [
-        {"type": 4, "string_value": twin.plans[0].description.text},
+        {"type": 4, "string_value": twin.built.plans[0].description.text},
         {"type": 1, "bool_value": True},
         {"type": 0},
     ]
@@ -209,7 +209,7 @@ def filters(text=""):
 def test_robots_are_spawned_listed_and_deleted(twin):
     assert spawn(twin) == {"result": RESULT, "entity_name": "robot_3"}
     assert twin.robots == ("robot_1", "robot_2", "robot_3")
-    assert twin.entity_state("robot_3").position == (0.0, 4.0, 0.13)
+    assert twin.entities.state("robot_3").position == (0.0, 4.0, 0.13)
     assert "/robot_3/controller_manager/list_controllers" in {item.name for item in services_of(twin)}
     listed = answer(twin, "/drake_twin/get_entities", filters=filters("_[13]$"))
     assert listed == {"result": RESULT, "entities": ["robot_1", "robot_3"]}
@@ -219,13 +219,13 @@ def test_robots_are_spawned_listed_and_deleted(twin):
 
 def test_a_robot_is_spawned_from_its_text(twin):
     assert spawn(twin, uri="", resource_string=BOX)["result"] == RESULT
-    assert twin.plans[2].description.links == ("base_link",)
+    assert twin.built.plans[2].description.links == ("base_link",)
 
 
 def test_a_text_is_not_expanded_for_expressions_are_code(twin):
     text = BOX.replace("base_link", "${1 + 1}").replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
     assert spawn(twin, uri="", resource_string=text)["result"] == RESULT
-    assert twin.plans[2].description.links == ("${1 + 1}",)
+    assert twin.built.plans[2].description.links == ("${1 + 1}",)
 
 
 @pytest.mark.parametrize(
@@ -272,7 +272,7 @@ def test_time_is_stepped_only_while_paused(twin):
     assert answer(twin, "/drake_twin/set_simulation_state", state=paused) == {"result": RESULT}
     assert answer(twin, "/drake_twin/set_simulation_state", state=Message(state=0))["result"]["result"] == 101
     assert answer(twin, "/drake_twin/step_simulation", steps=3) == {"result": RESULT}
-    assert twin.step_count == 3
+    assert twin.clock.step_count == 3
     assert answer(twin, "/drake_twin/get_simulation_state")["state"] == {"state": 2}
     assert answer(twin, "/drake_twin/step_simulation", steps=0)["result"]["result"] == 4
 
@@ -283,7 +283,7 @@ def test_lockstep_refuses_to_play(twin):
     refused = answer(twin, "/drake_twin/set_simulation_state", state=Message(state=1))["result"]
     assert refused["result"] == 3
     assert refused["error_message"].startswith("the twin runs in lock-step: ")
-    assert twin.paused
+    assert twin.clock.paused
     assert answer(twin, "/drake_twin/step_simulation", steps=2) == {"result": RESULT}
 
 
@@ -314,12 +314,12 @@ def test_gazebo_classic(twin):
     assert answer(twin, "/set_entity_state", state=state) == {"success": True}
     found = answer(twin, "/gazebo/get_entity_state", name="third", reference_frame="robot_2")["state"]
     assert found["pose"]["position"] == pytest.approx({"x": 5.0, "y": 0.0, "z": 0.0}, abs=1e-9)
-    assert twin.entity_state("third").position == pytest.approx((5.0, 2.0, 0.13))
+    assert twin.entities.state("third").position == pytest.approx((5.0, 2.0, 0.13))
     assert answer(twin, "/delete_entity", name="third")["success"]
     assert answer(twin, "/pause_physics") == {}
-    assert twin.paused
+    assert twin.clock.paused
     assert answer(twin, "/unpause_physics") == {}
-    assert not twin.paused
+    assert not twin.clock.paused
 
 
 def test_gz(twin):
@@ -328,12 +328,12 @@ def test_gz(twin):
     assert answer(twin, "/world/default/create", entity_factory=factory) == {"success": True}
     entity = Message(id=0, name="robot_1_1", type=2)
     assert answer(twin, "/world/default/set_pose", entity=entity, pose=pose(y=6.0)) == {"success": True}
-    assert twin.entity_state("robot_1_1").position == (0.0, 6.0, 0.0)
+    assert twin.entities.state("robot_1_1").position == (0.0, 6.0, 0.0)
     assert answer(twin, "/world/default/remove", entity=entity) == {"success": True}
     control = Message(pause=True, step=False, multi_step=5, run_to_sim_time=Message(sec=0, nanosec=0))
     control.reset = Message(all=False, time_only=False, model_only=False)
     assert answer(twin, "/world/default/control", world_control=control) == {"success": True}
-    assert (twin.step_count, twin.paused) == (5, True)
+    assert (twin.clock.step_count, twin.clock.paused) == (5, True)
     control.reset.all, control.multi_step, control.pause = True, 0, False
     assert answer(twin, "/world/default/control", world_control=control) == {"success": True}
-    assert (twin.step_count, twin.paused) == (0, False)
+    assert (twin.clock.step_count, twin.clock.paused) == (0, False)

@@ -138,7 +138,7 @@ def test_without_a_server_the_run_is_the_same_and_it_is_said_once(viewers, caplo
     twin.run(0.5, each_frame=each_frame, as_fast_as_possible=True)
     assert not viewer.flush(LONG)
     assert (viewer.counts.offered, viewer.counts.sent) == (len(frames), 0)
-    assert twin.step_count == 500
+    assert twin.clock.step_count == 500
     assert twin.state_sha256() == alone.state_sha256()
     assert len(warnings(caplog, "no meshcat-server answers there")) == 1
 

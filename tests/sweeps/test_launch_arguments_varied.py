@@ -42,7 +42,7 @@ def test_a_row_is_a_run_of_the_launch_file_with_its_arguments_and_runs_again_to_
     for row in rows:
         scenario = launch_file_scenario(launch, {"height": f"{row['launch.height']:g}"}).scenario
         with Twin(scenario) as twin:
-            twin.set_values({"box.box.mass": row["box.box.mass"]})
+            twin.entities.set_values({"box.box.mass": row["box.box.mass"]})
             twin.advance_to(0.05)
             assert twin.state_sha256() == row["state_sha256"]
     assert len({row["id"] for row in rows}) == len({row["state_sha256"] for row in rows}) == 6

@@ -121,7 +121,7 @@ def test_a_robot_has_fallen_when_it_lies_on_its_side(tmp_path, rpy, fell):
     (tmp_path / "box.urdf").write_text(BOX)
     twin = TwinBuilder().robot("box", tmp_path / "box.urdf", xyz=(0, 0, 0.5)).build()
     x, y, z, w = Rotation.from_euler("xyz", rpy).as_quat()
-    twin.set_entity_state("box", orientation=(w, x, y, z))
+    twin.entities.set_state("box", orientation=(w, x, y, z))
     assert has_fallen(twin) is fell
 
 
@@ -129,7 +129,7 @@ def test_a_robot_that_starts_on_its_side_has_not_fallen(tmp_path):
     (tmp_path / "box.urdf").write_text(BOX)
     twin = TwinBuilder().robot("box", tmp_path / "box.urdf", xyz=(0, 0, 0.5), rpy=(1.2, -0.7, 2.0)).build()
     assert not has_fallen(twin)
-    twin.set_entity_state("box", orientation=(1, 0, 0, 0))
+    twin.entities.set_state("box", orientation=(1, 0, 0, 0))
     assert has_fallen(twin)
 
 

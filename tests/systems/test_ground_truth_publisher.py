@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from drake_twin.description.robot_description import Pose
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
-from drake_twin.systems.state_layout import StateLayout
 
 FLOATING = StateLayout(size=13, positions={}, velocities={}, efforts={}, base_position=0, base_velocity=7)
 FIXED = StateLayout(size=0, positions={}, velocities={}, efforts={})

@@ -4,9 +4,9 @@ from pydrake.common.value import AbstractValue
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
-from drake_twin.systems.state_layout import StateLayout
 
 LAYOUT = StateLayout(size=4, positions={"turn": 0, "slide": 1}, velocities={"turn": 2, "slide": 3}, efforts={})
 DESCRIPTION = RobotDescription(

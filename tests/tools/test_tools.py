@@ -101,9 +101,9 @@ def interrupted(running, lines):
 
 def test_topics_are_those_of_the_twin(tool, twin):
     _, out, _ = tool(topic, "list", "-t")
-    assert out.splitlines() == [f"{name} [{kind}]" for name, kind in sorted(twin.topics().items())]
-    assert tool(topic, "list", "-c")[1] == f"{len(twin.topics())}\n"
-    hidden = set(tool(topic, "list", "--include-hidden-topics")[1].split()) - set(twin.topics())
+    assert out.splitlines() == [f"{name} [{kind}]" for name, kind in sorted(twin.graph.topics().items())]
+    assert tool(topic, "list", "-c")[1] == f"{len(twin.graph.topics())}\n"
+    hidden = set(tool(topic, "list", "--include-hidden-topics")[1].split()) - set(twin.graph.topics())
     assert hidden
     assert all("/_action/" in name for name in hidden)
 
@@ -124,7 +124,7 @@ def test_a_message_is_echoed(tool):
 
 def test_a_late_joiner_gets_the_description(tool, twin):
     _, out, _ = tool(topic, "echo", "/robot_1/robot_description", "--once", "-f", "--field", "data")
-    assert out == f"{twin.plans[0].description.text}\n---\n"
+    assert out == f"{twin.built.plans[0].description.text}\n---\n"
     _, out, _ = tool(topic, "echo", "/robot_1/robot_description", "--once", "-l", 5)
     assert out == "data: <?xml...\n---\n"
 
@@ -185,7 +185,7 @@ def test_rates_by_hand():
 
 
 def test_a_published_command_is_the_twins_and_is_replayed(tool, twin):
-    twin.record()
+    twin.recorder.begin()
     code, out, _ = tool(topic, "pub", "--times", 3, "-r", 50, "-p", 2, COMMANDS, ARRAY, "{data: [2, 2, 2.5, 2]}")
     assert code == 0
     assert out == (
@@ -193,9 +193,9 @@ def test_a_published_command_is_the_twins_and_is_replayed(tool, twin):
         "std_msgs.msg.MultiArrayLayout(dim=[], data_offset=0), data=[2.0, 2.0, 2.5, 2.0])\n\n"
     )
     twin.advance_to(twin.time + 0.2)
-    assert list(twin.command(COMMANDS).data) == [2.0, 2.0, 2.5, 2.0]
-    assert [call.name for call in twin.recording().calls].count("publish") == 3
-    with replay(twin.recording()) as again:
+    assert list(twin.graph.command(COMMANDS).data) == [2.0, 2.0, 2.5, 2.0]
+    assert [call.name for call in twin.recorder.recording().calls].count("publish") == 3
+    with replay(twin.recorder.recording()) as again:
         assert again.state_sha256() == twin.state_sha256()
 
 
@@ -217,7 +217,7 @@ def test_who_publishes_and_hears_a_topic(tool):
 def test_controllers_are_listed_and_switched(tool, twin):
     _, out, _ = tool(control, "list_controllers", *MANAGER)
     listed = [line.split() for line in out.splitlines()]
-    manager = twin.controller_manager("robot_1")
+    manager = twin.control.manager("robot_1")
     assert listed == [[item.name, item.type, item.state] for item in manager.list_controllers()]
     both = tool(control, "list_controllers")[1]
     assert [line for line in both.splitlines() if line.endswith(":")] == [
@@ -227,7 +227,7 @@ def test_controllers_are_listed_and_switched(tool, twin):
     code, _, err = tool(control, "switch_controllers", *MANAGER, "--deactivate", "forward_velocity_controller")
     assert (code, err) == (0, "")
     assert manager.states["forward_velocity_controller"] == "inactive"
-    assert twin.controller_manager("robot_2").states["forward_velocity_controller"] == "active"
+    assert twin.control.manager("robot_2").states["forward_velocity_controller"] == "active"
     code, _, err = tool(control, "switch_controllers", *MANAGER, "--strict", "--activate", "nobody")
     assert code == 1
     assert "controller 'nobody' is not loaded" in err
@@ -255,7 +255,7 @@ def test_services_are_listed_and_called(tool, twin):
         "response:\nsimulation_interfaces.srv.SetSimulationState_Response("
         "result=simulation_interfaces.msg.Result(result=1, error_message=''))\n\n"
     )
-    assert twin.paused
+    assert twin.clock.paused
 
 
 def test_parameters(tool, twin):

@@ -321,7 +321,7 @@ def test_a_reference_without_a_writer_stays_as_it_was(tmp_path):
 
 def test_what_is_below_goes_on_by_its_own_topic_once_the_chain_above_is_off(tmp_path):
     twin = build(tmp_path, PARAMETERS, ORDERS[0])
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     twin.publish("/r/above/commands", [1.0])
     twin.advance_to(3.0)
     assert twin.robot_state("r").positions[0] == pytest.approx(1.0, abs=1e-3)
@@ -341,7 +341,7 @@ def test_what_a_controller_is_told_in_chained_mode_is_never_obeyed(tmp_path):
         twin.step(50)
         assert twin.robot_state("r").velocities[0] == 0.0
     twin.publish("/r/inner/reference", {"values": [2.0]})
-    assert twin.controller_manager("r").switch_controller(deactivate=["outer", "above"], strictness=STRICT)
+    assert twin.control.manager("r").switch_controller(deactivate=["outer", "above"], strictness=STRICT)
     twin.step(100)
     assert twin.robot_state("r").velocities[0] == 0.0
 
@@ -367,6 +367,6 @@ def test_what_is_below_forgets_its_last_reference_at_the_end_of_chained_mode(tmp
     twin.publish("/r/above/commands", [1.0])
     twin.step(50)
     assert twin.robot_state("r").velocities[0] > 0.1
-    assert twin.controller_manager("r").switch_controller(deactivate=["outer", "above"], strictness=STRICT)
+    assert twin.control.manager("r").switch_controller(deactivate=["outer", "above"], strictness=STRICT)
     twin.step(20)
     assert twin.robot_state("r").efforts[0] <= 0.0  # nothing drives it, and a joint without a command brakes

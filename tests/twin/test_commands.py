@@ -23,7 +23,7 @@ def make(tmp_path):
 
 def valid(twin, topic=WHEELS):
     """The numbers of the command that is valid."""
-    command = twin.command(topic)
+    command = twin.graph.command(topic)
     return None if command is None else list(command.data)
 
 
@@ -79,7 +79,7 @@ def test_a_command_that_has_expired_or_been_cleared_leaves_nothing_to_expire(mak
     twin.publish(WHEELS, [2.0, 0.0])
     twin.step()
     assert twin.snapshot().expiries == {WHEELS: pytest.approx(0.15 + 0.1)}
-    twin.controller_manager("r").switch_controller(deactivate=["wheels"])
+    twin.control.manager("r").switch_controller(deactivate=["wheels"])
     saved = twin.snapshot()
     assert (saved.expiries, saved.commands) == ({}, {})
     twin.restore(saved)
@@ -88,7 +88,7 @@ def test_a_command_that_has_expired_or_been_cleared_leaves_nothing_to_expire(mak
 
 def test_what_waits_is_forgotten_when_its_controller_is_deactivated(make):
     twin = make()
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     twin.publish(WHEELS, [2.0, 0.0])
     manager.switch_controller(deactivate=["wheels"])
     manager.switch_controller(activate=["wheels"])
@@ -103,7 +103,7 @@ def test_the_robots_clear_only_their_own_commands(make):
         twin.publish(f"/{robot}/wheels/commands", [2.0, 0.0])
     twin.step()
     twin.publish("/other/wheels/commands", [1.0, 0.0])
-    twin.controller_manager("r").switch_controller(deactivate=["wheels"])
+    twin.control.manager("r").switch_controller(deactivate=["wheels"])
     twin.advance_to(0.5)
     assert valid(twin) is None
     assert valid(twin, "/other/wheels/commands") == [1.0, 0.0]
@@ -129,12 +129,12 @@ def test_what_is_published_at_the_time_of_a_scheduled_command_comes_after_it(mak
 
 def test_a_goal_leaves_the_commands_of_others_waiting(make):
     twin = make(arm=trajectories("right"))
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     assert manager.active == ("wheels", "arm")  # one claims velocities, the other positions
     twin.publish(WHEELS, [2.0, 0.0])
     points = [{"positions": [0.1], "time_from_start": 0.5}]
     goal = {"trajectory": {"joint_names": ["right"], "points": points}}
-    twin.send_goal("/r/arm/follow_joint_trajectory", goal)
+    twin.graph.send_goal("/r/arm/follow_joint_trajectory", goal)
     twin.advance_to(0.2)
     assert valid(twin) == [2.0, 0.0]
     assert twin.robot_state("r").velocities[0] == pytest.approx(2.0, rel=1e-3)
@@ -143,7 +143,7 @@ def test_a_goal_leaves_the_commands_of_others_waiting(make):
 def test_a_silence_is_saved(make):
     scheduled = [(WHEELS, [1.0, 0.0], {"time": 0.1, "period": 0.1})]
     twin = make(commands=scheduled)
-    twin.silence(WHEELS)
+    twin.graph.silence(WHEELS)
     other = Twin(twin.scenario)
     other.restore(twin.snapshot())
     for each in (twin, other):
@@ -158,6 +158,6 @@ def test_what_was_published_on_schedule_is_not_published_again_when_a_robot_come
     twin.publish(WHEELS, [2.0, 0.0])
     twin.advance_to(0.3)
     robot, controllers = write_hinges(tmp_path, {"wheels": velocities("left")})
-    twin.spawn(Robot("new", str(robot), xyz=(0.0, -5.0, 0.0), controllers=(str(controllers),)))
+    twin.entities.spawn(Robot("new", str(robot), xyz=(0.0, -5.0, 0.0), controllers=(str(controllers),)))
     twin.advance_to(0.6)
     assert valid(twin) == [2.0, 0.0]

@@ -74,7 +74,7 @@ def test_each_message_arrives_once_in_its_order_and_not_at_the_other_robots(tmp_
     heard = {}
     for step in range(21, 60):
         twin.advance_to(step * 0.001)
-        heard[step] = [twin.command(f"/{robot}/speed/commands") for robot in "rs"]
+        heard[step] = [twin.graph.command(f"/{robot}/speed/commands") for robot in "rs"]
     data = {step: [None if item is None else item.data[0] for item in both] for step, both in heard.items()}
     assert {step: both[1] for step, both in data.items()} == dict.fromkeys(range(21, 60), 2.0)
     expected = {step: None if step <= 30 else 1.0 if step <= 40 else 3.0 if step <= 50 else 2.0 for step in data}
@@ -168,7 +168,7 @@ def test_yaml_snapshots_recordings_and_rebuilds_keep_what_is_under_way(tmp_path)
     scenario = driven(**BOTH)
     assert ScenarioFile(scenario_to_yaml(scenario), "x.yaml").scenario == scenario
     twin = Twin(driven())
-    twin.record()
+    twin.recorder.begin()
     twin.reset(scenario)
     twin.advance_to(0.5)
     twin.publish("/robot_1/forward_velocity_controller/commands", [1, 8, 1, 8])
@@ -178,7 +178,7 @@ def test_yaml_snapshots_recordings_and_rebuilds_keep_what_is_under_way(tmp_path)
     assert len(snapshot.robots["robot_1"]["measured"]["state"]) == 12 * len(snapshot.robots["robot_1"]["state"])
     assert "measured" not in snapshot.robots["robot_2"]
     end = after(twin, 1.0)
-    twin.recording().save(tmp_path / "run.json")
+    twin.recorder.recording().save(tmp_path / "run.json")
     assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == end
     snapshot.save(tmp_path / "state.json")
     for known in (snapshot, Snapshot.load(tmp_path / "state.json")):
@@ -189,11 +189,11 @@ def test_yaml_snapshots_recordings_and_rebuilds_keep_what_is_under_way(tmp_path)
     other.restore(snapshot)
     assert after(other, 1.0) == end
     twin.restore(snapshot)
-    twin.spawn(Robot("third", ROVER, xyz=(9, 9, 0.13)))
+    twin.entities.spawn(Robot("third", ROVER, xyz=(9, 9, 0.13)))
     again = twin.snapshot()
     assert again.delayed == snapshot.delayed
     assert again.robots["robot_1"]["measured"] == snapshot.robots["robot_1"]["measured"]
-    twin.delete("robot_1")
+    twin.entities.delete("robot_1")
     assert twin.snapshot().delayed == []
 
 
@@ -202,7 +202,7 @@ def test_another_time_step_keeps_what_was_measured(turning):
     twin.advance_to(0.2)
     estimated = twin.diagram.GetOutputPort("r/state_estimated").Eval(twin.context)
     for step in (0.002, 0.001):
-        twin.set_time_step(step)
+        twin.clock.set_time_step(step)
         twin.advance_to(0.2)
         assert np.array_equal(twin.diagram.GetOutputPort("r/state_estimated").Eval(twin.context), estimated)
     twin.advance_to(0.3)
@@ -259,20 +259,20 @@ def test_a_message_that_cannot_be_used_is_refused_when_it_is_published(turning):
     with pytest.raises(InputError, match="has 3 elements"):
         twin.publish(SPEED, [1.0, 2.0, 3.0])  # ros2_control deactivates a controller that receives such a message
     twin.publish(SPEED, [1.0, 2.0])
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     twin.advance_to(0.05)
     assert manager.states["speed"] == "active"
     twin.advance_to(0.052)
     assert manager.states["speed"] == "inactive"
-    assert twin.command(SPEED) is None
+    assert twin.graph.command(SPEED) is None
 
 
 def test_what_arrives_during_an_emergency_stop_is_dropped(turning):
     twin = Twin(delayed(turning, command_delay=0.05))
     twin.publish(SPEED, [1.0, 2.0])
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     twin.advance_to(0.1)
-    assert twin.command(SPEED) is None
+    assert twin.graph.command(SPEED) is None
 
 
 @pytest.mark.parametrize(

@@ -1,145 +1,194 @@
-"""Entities: where they are, put elsewhere, pushed."""
+"""Robots and models of the world are put elsewhere and deleted while all else goes on as it was."""
 
 import numpy as np
 import pytest
-from conftest import ARM, rovers
-from scipy.spatial.transform import Rotation
+from conftest import ARM
+from world_with_crate import CRATE_AT, rover_and_crate
 
-from drake_twin import TwinBuilder
+from drake_twin import Recording, Twin
 from drake_twin.errors import InputError
-from drake_twin.scenario import World
+from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.twin.replay import replay
 
-BOX = """<robot name="box"><link name="base"><inertial><mass value="2"/>
-  <inertia ixx="0.5" iyy="0.5" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="flag"/><joint name="pole" type="fixed"><parent link="base"/><child link="flag"/>
-  <origin xyz="0 0 1"/></joint></robot>"""
+COMMANDS = "/rover/forward_velocity_controller/commands"
 
 
 @pytest.fixture
-def boxes(tmp_path):
-    (tmp_path / "box.urdf").write_text(BOX)
-    builder = TwinBuilder(world=World(gravity=(0, 0, 0), ground=False))
-    for index in range(2):
-        builder.robot(f"box_{index + 1}", tmp_path / "box.urdf", xyz=(0, 3 * index, 5))
-    return builder.build()
+def twin(tmp_path):
+    twin = rover_and_crate(tmp_path).robot("arm", ARM, xyz=(0, -2, 0)).build()
+    twin.publish(COMMANDS, [2, 3, 2, 3])
+    twin.advance_to(0.4)
+    return twin
 
 
-def turned(axis, angle):
-    x, y, z, w = Rotation.from_rotvec(np.array(axis) * angle).as_quat()
-    return (w, x, y, z)
+def resting_on(twin, height):
+    """The z of the crate after it has fallen for two seconds."""
+    twin.advance_to(twin.time + 2.0)
+    return twin.entities.state("crate").position[2] == pytest.approx(height, abs=2e-3)
 
 
-def test_a_force_for_a_second_gives_the_velocity_that_newton_says_and_nothing_to_the_other(boxes):
-    boxes.apply_wrench("box_1", force=(4, 0, 0), torque=(0, 0, 0.5), duration=1.0)
-    boxes.advance_to(0.5)
-    assert boxes.entity_state("box_1").linear == pytest.approx((1, 0, 0), abs=1e-9)
-    boxes.advance_to(2.0)
-    state = boxes.entity_state("box_1")
-    assert state.linear == pytest.approx((2, 0, 0), abs=1e-9)
-    assert state.angular == pytest.approx((0, 0, 1), abs=1e-9)
-    assert boxes.entity_state("box_2").position == (0, 3, 5)
+def test_a_free_robot_and_a_moving_model_are_put_elsewhere_at_rest(twin):
+    crate = twin.entities.state("crate")
+    twin.entities.place("rover", (3, 1, 0.13), (0, 0, 1.0))
+    state = twin.entities.state("rover")
+    assert state.position == pytest.approx((3, 1, 0.13), abs=1e-12)
+    assert state.orientation == pytest.approx((np.cos(0.5), 0, 0, np.sin(0.5)), abs=1e-12)
+    assert (*state.linear, *state.angular) == pytest.approx((0,) * 6, abs=1e-12)
+    assert twin.entities.state("crate") == crate
+    twin.entities.place("crate", (5, 5, 0.2))
+    assert twin.entities.state("crate").position == pytest.approx((5, 5, 0.2), abs=1e-12)
 
 
-def test_two_wrenches_add_up_and_one_may_be_in_the_axes_of_an_entity(boxes):
-    boxes.set_entity_state("box_2", orientation=turned((0, 0, 1), np.pi / 2))
-    boxes.apply_wrench("box_1", force=(2, 0, 0), duration=1.0, reference="box_2")
-    boxes.apply_wrench("box_1", force=(0, 0, 2), duration=0.5)
-    boxes.advance_to(1.0)
-    assert boxes.entity_state("box_1").linear == pytest.approx((0, 1, 0.5), abs=1e-9)
-
-
-def test_a_pose_and_a_twist_are_set_in_the_world_and_in_another_entitys_frame(boxes):
-    boxes.set_entity_state("box_1", (1, 2, 3), turned((0, 0, 1), np.pi / 2), (0.1, 0, 0), (0, 0, 0.2))
-    state = boxes.entity_state("box_1")
-    assert (*state.position, *state.linear, *state.angular) == pytest.approx((1, 2, 3, 0.1, 0, 0, 0, 0, 0.2))
-    boxes.set_entity_state("box_2", position=(1, 0, 0), linear=(0, 0, 0), angular=(0, 0, 0), reference="box_1")
-    other = boxes.entity_state("box_2")
-    assert other.position == pytest.approx((1, 3, 3))  # one ahead of the other, which looks along y
-    assert other.linear == pytest.approx((0.1 - 0.2 * 1.0, 0, 0))  # carried by its turning
-    assert boxes.entity_state("box_2", "box_1").linear == pytest.approx((0, 0, 0), abs=1e-12)
-
-
-def test_a_links_state_is_its_own_and_relative_ones_agree_with_tf():
-    twin = TwinBuilder().robot("arm", ARM).build()
-    twin.set_joint_positions("arm", {"joint_1": 0.4, "joint_2": -0.3, "joint_3": 0.7})
-    link = twin.plans[0].description.joints_by_name["joint_3"].child
-    parent = twin.plans[0].description.joints_by_name["joint_3"].parent
-    (transform,) = [item for item in twin.latest("/tf").transforms if item.child_frame_id == f"arm/{link}"]
-    state = twin.entity_state(f"arm::{link}", f"arm::{parent}")
-    place, turn = transform.transform.translation, transform.transform.rotation
-    assert state.position == pytest.approx((place.x, place.y, place.z), abs=1e-12)
-    assert state.orientation == pytest.approx((turn.w, turn.x, turn.y, turn.z), abs=1e-12)
-
-
-def test_joints_that_mimic_one_that_is_set_follow_it_at_once():
-    twin = TwinBuilder().robot("arm", ARM).build()
-    twin.set_joint_positions("arm", {"joint_4": 0.3})
-    assert twin.robot_state("arm").positions == pytest.approx((0, 0, 0, 0.3, -0.3))
-    twin.set_joint_positions("arm", {"joint_4": 0.2, "joint_5": 0.1})  # where it is named it is set, too
-    assert twin.robot_state("arm").positions == pytest.approx((0, 0, 0, 0.2, 0.1))
-
-
-def test_model_and_link_states_are_topics(boxes):
-    boxes.set_entity_state("box_2", (7, 8, 9), linear=(1, 0, 0))
-    models, links = boxes.latest("/model_states"), boxes.latest("/link_states")
-    assert models.name == ["box_1", "box_2"]
-    assert (models.pose[1].position.x, models.twist[1].linear.x) == pytest.approx((7, 1))
-    assert links.name == ["box_1::base", "box_1::flag", "box_2::base", "box_2::flag"]
-    assert links.pose[3].position.z == pytest.approx(10)
-
-
-def test_a_rover_is_put_elsewhere_and_drives_on():
-    twin = rovers(1).build()
-    twin.publish("/robot_1/forward_velocity_controller/commands", [2, 2, 2, 2])
+def test_an_arm_that_is_welded_to_the_world_is_welded_elsewhere_and_does_not_notice(twin):
+    twin.entities.set_joint_positions("arm", {"joint_2": 0.3})
+    twin.publish("/arm/forward_velocity_controller/commands", [0.1, 0.2, 0.0, 0.0])
     twin.advance_to(1.0)
-    x, _, z = twin.entity_state("robot_1").position
-    twin.set_entity_state("robot_1", (10, 5, z))
+    before, rover = twin.robot_state("arm", with_efforts=False), twin.robot_state("rover", with_efforts=False)
+    plan = twin.built.plans[1]
+    twin.entities.place("arm", (1, -3, 0.5), (0, 0, 0.5))
+    after = twin.robot_state("arm", with_efforts=False)
+    assert (after.positions, after.velocities) == (before.positions, before.velocities)
+    assert after.base_pose == pytest.approx((1, -3, 0.5, np.cos(0.25), 0, 0, np.sin(0.25)))
+    assert twin.robot_state("rover", with_efforts=False) == rover
+    assert twin.built.plans[1].joints.start_positions == plan.joints.start_positions
     twin.advance_to(2.0)
-    assert twin.entity_state("robot_1").position == pytest.approx((10 + x, 5, z), abs=0.03)
+    moved = np.subtract(twin.robot_state("arm").positions, after.positions)
+    assert moved[:2] == pytest.approx((0.1, 0.2), abs=0.01)  # its command still holds
+    assert twin.robot_state("rover").velocities == pytest.approx((2, 3, 2, 3), rel=0.02)
 
 
-def test_wrenches_are_in_a_snapshot_and_end_with_a_reset(boxes):
-    boxes.apply_wrench("box_1::base", force=(4, 0, 0), duration=1.0)
-    boxes.advance_to(0.3)
-    snapshot = boxes.snapshot()
-    boxes.advance_to(2.0)
-    first = boxes.state_sha256()
-    boxes.restore(snapshot)
-    boxes.advance_to(2.0)
-    assert boxes.state_sha256() == first
-    boxes.restore(snapshot)
-    boxes.reset()
-    boxes.advance_to(1.0)
-    assert boxes.entity_state("box_1").linear == (0, 0, 0)
+def test_a_static_model_is_put_elsewhere_and_stands_there(twin):
+    before = twin.robot_state("rover", with_efforts=False)
+    twin.entities.place("crate", (1, 2, 0.35))  # 5 cm above the ramp, whose upper side is at 0.1 m
+    assert resting_on(twin, 0.3)
+    assert before != twin.robot_state("rover", with_efforts=False)
+    twin.entities.place("ramp", (3, 3, 0.05))
+    assert twin.built.world_file.models[0].pose.xyz == (3, 3, 0.05)
+    assert resting_on(twin, 0.2)  # fallen to the ground
+    twin.entities.place("crate", (3, 3, 0.35))
+    assert resting_on(twin, 0.3)
+
+
+def test_models_are_deleted_and_the_others_keep_their_state(twin):
+    states = {name: twin.robot_state(name, with_efforts=False) for name in twin.robots}
+    twin.entities.set_state("crate", linear=(0.5, 0, 0))
+    crate = twin.entities.state("crate")
+    twin.entities.delete("ramp")
+    assert twin.entities.state("crate") == crate
+    assert {name: twin.robot_state(name, with_efforts=False) for name in twin.robots} == states
+    twin.entities.delete("crate")
+    with pytest.raises(InputError, match=r"Entity \[crate\] does not exist\. Valid: rover, arm"):
+        twin.entities.state("crate")
+    assert twin.built.world_file.models == ()
+    twin.advance_to(1.0)
+    assert twin.robot_state("rover").velocities == pytest.approx((2, 3, 2, 3), rel=0.02)
+
+
+def test_an_edited_world_is_recorded_saved_and_reset_to_where_things_were_put(twin, tmp_path):
+    twin.recorder.begin()
+    twin.advance_to(0.5)
+    twin.entities.place("ramp", (3, 3, 0.05), (0, 0, 0.3))
+    twin.entities.place("crate", (2, 0, 0.2))
+    twin.advance_to(0.7)
+    twin.entities.place("arm", (0, -3, 0))
+    twin.entities.delete("crate")
+    twin.advance_to(0.9)
+    twin.recorder.recording().save(tmp_path / "run.json")
+    again = replay(Recording.load(tmp_path / "run.json"))
+    assert again.state_sha256() == twin.state_sha256()
+    assert scenario_to_yaml(again.scenario) == scenario_to_yaml(twin.scenario)
+    text = scenario_to_yaml(twin.scenario)
+    assert ScenarioFile(text, "edited.yaml").scenario == twin.scenario
+    twin.reset()
+    assert twin.entities.state("arm").position == (0, -3, 0)
+    snapshot = twin.snapshot()
+    twin.entities.delete("ramp")
+    twin.restore(snapshot)
+    assert twin.built.world_file.models[0].pose.rpy == (0, 0, 0.3)
+
+
+def test_a_snapshot_undoes_an_edit(twin):
+    before, sha256 = twin.snapshot(), twin.state_sha256()
+    twin.entities.delete("crate")
+    twin.entities.place("arm", (9, 9, 0))
+    twin.restore(before)
+    assert twin.state_sha256() == sha256
+    assert twin.entities.state("crate").position == pytest.approx(CRATE_AT, abs=2e-3)
+    assert twin.entities.state("arm").position == (0, -2, 0)
+
+
+def test_what_cannot_be_placed_or_deleted_is_said_and_nothing_changes(twin):
+    sha256 = twin.state_sha256()
+    for call, what in (
+        (
+            lambda: twin.entities.place("nobody", (0, 0, 0)),
+            r"Entity \[nobody\] does not exist\. Valid: rover, arm, ramp, crate",
+        ),
+        (lambda: twin.entities.place("rover::base", (0, 0, 0)), "does not exist"),
+        (lambda: twin.entities.place("ramp", (0, 0)), "the position .* is not 3 finite numbers"),
+        (
+            lambda: twin.entities.place("arm", (0, 0, 0), (0, float("nan"), 0)),
+            "the roll, pitch and yaw .* finite numbers",
+        ),
+        (lambda: twin.entities.delete("nobody"), r"Entity \[nobody\] does not exist\."),
+    ):
+        with pytest.raises(InputError, match=what):
+            call()
+    assert twin.state_sha256() == sha256
+    twin.subscribe("/clock", lambda _: twin.entities.place("arm", (0, 0, 0)))
+    with pytest.raises(InputError, match="a callback cannot rearrange the twin that calls it"):
+        twin.advance_to(twin.time + 0.01)
+    assert twin.entities.state("arm").position == (0, -2, 0)
+
+
+def test_placed_models_of_a_scenario_stand_where_it_says(tmp_path):
+    builder = rover_and_crate(tmp_path)
+    text = scenario_to_yaml(builder.scenario())
+    text = text.replace("world:\n", "world:\n  model_poses: {crate: [4, 4, 0.2, 0, 0, 0.1]}\n")
+    twin = Twin(ScenarioFile(text, "placed.yaml").scenario)
+    assert twin.entities.state("crate").position == pytest.approx((4, 4, 0.2))
+
+
+def test_a_model_like_one_of_the_world_falls_as_it_does_and_replays(tmp_path):
+    twin = rover_and_crate(tmp_path).build()
+    twin.recorder.begin()
+    twin.entities.copy_model("crate", "second", (4, 4, 1.0), (0, 0, 0.3))
+    twin.entities.copy_model("second", "third", (6, 4, 1.0))
+    twin.entities.place("crate", (8, 4, 1.0))
+    twin.advance_to(1.5)
+    heights = [twin.entities.state(name).position[2] for name in ("crate", "second", "third")]
+    assert heights == pytest.approx([heights[0]] * 3, abs=1e-6)
+    assert heights[0] < 0.9
+    twin.entities.copy_model("ramp", "ramp_2", (0, 8, 0.05))
+    twin.entities.delete("second")
+    assert [model.name for model in twin.built.world_file.models] == ["ramp_2", "ramp", "third", "crate"]
+    twin.entities.delete("crate")  # what is like it stays
+    twin.advance_to(1.6)
+    assert [model.name for model in twin.built.world_file.models] == ["ramp_2", "ramp", "third"]
+    again = replay(twin.recorder.recording())
+    assert again.state_sha256() == twin.state_sha256()
+    saved = Twin(ScenarioFile(scenario_to_yaml(twin.scenario), "saved.yaml").scenario)
+    assert saved.entities.state("third").position == pytest.approx((6, 4, 1.0))
 
 
 @pytest.mark.parametrize(
-    ("call", "reason"),
+    ("arguments", "what"),
     [
-        (lambda twin: twin.entity_state("box_9"), r"Entity \[box_9\] does not exist\..*box_1"),
-        (lambda twin: twin.entity_state("box_1::nose"), "robot 'box_1' has no link 'nose'.*base, flag"),
-        (lambda twin: twin.set_entity_state("box_1", (1, 2)), "3 finite numbers"),
-        (lambda twin: twin.set_entity_state("box_1", orientation=(0, 0, 0, 0)), "which is not a rotation"),
-        (lambda twin: twin.set_entity_state("box_1::flag", (1, 2, 3)), "cannot be moved"),
-        (lambda twin: twin.apply_wrench("box_1", "up"), "is not a list of numbers"),
-        (lambda twin: twin.apply_wrench("box_1", (1, 0, float("nan"))), "3 finite numbers"),
-        (lambda twin: twin.apply_wrench("box_1", duration=-1), "invalid duration"),
+        (("nobody", "a", (0, 0, 0)), r"Entity \[nobody\] does not exist"),
+        (("crate", "ramp", (0, 0, 0)), r"Entity \[ramp\] already exists"),
+        (("crate", "rover", (0, 0, 0)), r"Entity \[rover\] already exists"),
+        (("crate", "", (0, 0, 0)), "cannot name a model"),
+        (("crate", "a", (0, 0)), "is not 3 finite numbers"),
     ],
 )
-def test_what_cannot_be_is_said(boxes, call, reason):
-    before = boxes.state_sha256()
-    with pytest.raises(InputError, match=reason):
-        call(boxes)
-    assert boxes.state_sha256() == before
+def test_what_cannot_be_copied_is_said(twin, arguments, what):
+    with pytest.raises(InputError, match=what):
+        twin.entities.copy_model(*arguments)
 
 
-@pytest.mark.parametrize("value", [[10**400, 0, 0], "abc", [[1, 2, 3]], None])
-def test_forces_that_are_no_numbers_are_refused(value):
-    with pytest.raises(InputError, match=r"the force .* is not"):
-        rovers(1).build().apply_wrench("robot_1", force=value)
-
-
-def test_a_quaternion_of_huge_numbers_is_one():
-    twin = rovers(1).build()
-    twin.set_entity_state("robot_1", orientation=[1e200, 0, 0, 1e200])
-    assert twin.entity_state("robot_1").orientation == pytest.approx((0.5**0.5, 0, 0, 0.5**0.5))
+def test_a_copy_of_a_model_that_the_file_lacks_is_refused(tmp_path):
+    text = scenario_to_yaml(rover_and_crate(tmp_path).scenario())
+    for copies, what in (("{a: nobody}", "'nobody' does not exist"), ("{ramp: crate}", "ramp is taken")):
+        changed = text.replace("world:\n", f"world:\n  model_copies: {copies}\n")
+        with pytest.raises(InputError, match=what):
+            Twin(ScenarioFile(changed, "copied.yaml").scenario)

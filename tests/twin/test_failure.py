@@ -72,10 +72,12 @@ def state(twin):
 @every_engine
 def test_a_push_that_tears_a_robot_apart_leaves_the_state_before_it(chains, engine):
     twin, stepped = chains(**engine).build(), chains(**engine).build()
-    twin.record()
+    twin.recorder.begin()
     for each in (twin, stepped):
         each.advance_to(0.2)
-        each.apply_wrench("second::lower", torque=(0, 1e6 if "engine" not in engine else TOO_MUCH, 0), duration=2.0)
+        each.entities.apply_wrench(
+            "second::lower", torque=(0, 1e6 if "engine" not in engine else TOO_MUCH, 0), duration=2.0
+        )
     with pytest.raises(
         RunError, match=r"failed after 0\.\d+ s: .*(joint (elbow|shoulder)|the base).* of robot 'second'"
     ):
@@ -96,7 +98,7 @@ def test_a_push_that_tears_a_robot_apart_leaves_the_state_before_it(chains, engi
     restored = chains(**engine).build()
     restored.restore(twin.snapshot())
     assert restored.state_sha256() == good
-    assert replay(twin.recording()).state_sha256() == good
+    assert replay(twin.recorder.recording()).state_sha256() == good
 
 
 @every_engine
@@ -106,7 +108,7 @@ def test_a_command_whose_first_step_fails_is_still_to_come(chains, engine, sched
     if scheduled:
         builder.command("/second/effort/commands", [TOO_MUCH], time=0.5)
     twin = builder.build()
-    twin.record()
+    twin.recorder.begin()
     twin.advance_to(0.5)
     if not scheduled:
         twin.publish("/second/effort/commands", [TOO_MUCH])
@@ -115,20 +117,20 @@ def test_a_command_whose_first_step_fails_is_still_to_come(chains, engine, sched
         with pytest.raises(RunError, match=r"failed after 0\.5 s: .*robot 'second'"):
             twin.advance_to(3.0)
         assert (twin.time, twin.state_sha256()) == (0.5, before)
-    assert replay(twin.recording()).state_sha256() == before
-    twin.delete("second")
+    assert replay(twin.recorder.recording()).state_sha256() == before
+    twin.entities.delete("second")
     twin.advance_to(1.0)
-    assert twin.entity_state("first").linear[2] == pytest.approx(-9.81, rel=0.01)
+    assert twin.entities.state("first").linear[2] == pytest.approx(-9.81, rel=0.01)
 
 
 @every_engine
 def test_a_wrench_that_ends_where_a_step_fails_is_not_forgotten(chains, engine):
     twin = chains(**engine).command("/second/effort/commands", [TOO_MUCH], time=0.5).build()
-    twin.record()
-    twin.apply_wrench("first", (1.0, 0, 0), duration=0.5)
+    twin.recorder.begin()
+    twin.entities.apply_wrench("first", (1.0, 0, 0), duration=0.5)
     with pytest.raises(RunError):
         twin.advance_to(3.0)
-    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+    assert replay(twin.recorder.recording()).state_sha256() == twin.state_sha256()
 
 
 def test_what_drake_raises_is_said_with_the_largest_acceleration_before_it(chains, monkeypatch):
@@ -142,7 +144,7 @@ def test_what_drake_raises_is_said_with_the_largest_acceleration_before_it(chain
         return False
 
     monkeypatch.setattr(Stepper, "_advance_simulator", raise_error)
-    twin.apply_wrench("second::lower", torque=(0, 30, 0), duration=2.0)
+    twin.entities.apply_wrench("second::lower", torque=(0, 30, 0), duration=2.0)
     what = (
         r"failed after 0\.03 s: the solver did not converge\. Just before, .* of robot 'second' accelerated most, at "
     )

@@ -33,27 +33,27 @@ def test_the_change_of_speed_is_impulse_over_mass(free, time_step, duration):
     push = Push("box", 0.2, force=(20.0, -7.0, 5.0), duration=duration)
     twin = Twin(replace(free, time_step=time_step, pushes=(push,)))
     twin.advance_to(0.2)
-    assert twin.entity_state("box").linear == (0.0, 0.0, 0.0)
+    assert twin.entities.state("box").linear == (0.0, 0.0, 0.0)
     twin.advance_to(1.0)
     expected = np.array(push.force) * max(duration, time_step) / 3.0
-    assert twin.entity_state("box").linear == pytest.approx(tuple(expected), rel=1e-9)
-    assert twin.entity_state("box").angular == pytest.approx((0, 0, 0), abs=1e-12)
+    assert twin.entities.state("box").linear == pytest.approx(tuple(expected), rel=1e-9)
+    assert twin.entities.state("box").angular == pytest.approx((0, 0, 0), abs=1e-12)
 
 
 def test_a_push_beside_the_center_of_mass_turns_the_box(free):
     push = Push("box", 0.0, force=(0.0, 3.0, 0.0), duration=0.01, at=(0.8, 0.2, -0.1))
     twin = Twin(replace(free, pushes=(push,)))
     twin.advance_to(0.1)
-    assert twin.entity_state("box").angular == pytest.approx((0, 0, 0.5 * 3.0 * 0.01 / 0.06), rel=1e-3)
+    assert twin.entities.state("box").angular == pytest.approx((0, 0, 0.5 * 3.0 * 0.01 / 0.06), rel=1e-3)
 
 
 def test_pushes_add_up_and_end_each_at_its_own_time(free):
     pushes = (Push("box", 0.1, force=(3.0, 0.0, 0.0), duration=0.4), Push("box", 0.3, force=(0.0, 6.0, 0.0)))
     twin = Twin(replace(free, pushes=pushes))
     twin.advance_to(0.35)
-    assert twin.entity_state("box").linear == pytest.approx((0.25, 0.1, 0.0), rel=1e-9)
+    assert twin.entities.state("box").linear == pytest.approx((0.25, 0.1, 0.0), rel=1e-9)
     twin.advance_to(1.0)
-    assert twin.entity_state("box").linear == pytest.approx((0.4, 0.2, 0.0), rel=1e-9)
+    assert twin.entities.state("box").linear == pytest.approx((0.4, 0.2, 0.0), rel=1e-9)
 
 
 def test_a_drawn_direction_is_horizontal_follows_from_the_seed_and_is_as_often_this_as_that(free):
@@ -63,12 +63,12 @@ def test_a_drawn_direction_is_horizontal_follows_from_the_seed_and_is_as_often_t
     for seed in range(200):
         twin.reset(replace(free, pushes=(first, second), seed=seed))
         twin.advance_to(0.2)
-        x, y, z = twin.entity_state("box").linear
+        x, y, z = twin.entities.state("box").linear
         assert (hypot(x, y), z) == (pytest.approx(1.0, rel=1e-9), pytest.approx(0.0, abs=1e-12))
         angles.append(atan2(y, x))
         if seed < 3:
             twin.advance_to(0.7)
-            changed = np.array(twin.entity_state("box").linear) - (x, y, z)
+            changed = np.array(twin.entities.state("box").linear) - (x, y, z)
             assert hypot(*changed[:2]) == pytest.approx(1.0, rel=1e-6)
             assert abs(atan2(changed[1], changed[0]) - angles[-1]) > 1e-3
             again = Twin(replace(free, pushes=(first, second), seed=seed))
@@ -109,14 +109,14 @@ def test_yaml_snapshots_restore_recordings_and_rebuilds_keep_them(tmp_path):
     pushed = driven(pushes=PUSHES)
     assert ScenarioFile(scenario_to_yaml(pushed), "x.yaml").scenario == pushed
     twin = Twin(driven())
-    twin.record()
+    twin.recorder.begin()
     twin.reset(pushed)
     known = {}
     for time in (0.1, 0.35, 0.7, 1.1, 1.7):  # before, within and after each push
         twin.advance_to(time)
         known[time] = twin.snapshot()
     end = after(twin, 0.3)
-    twin.recording().save(tmp_path / "run.json")
+    twin.recorder.recording().save(tmp_path / "run.json")
     assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == end
     assert [len(snapshot.pushes) for snapshot in known.values()] == [2, 1, 1, 0, 0]
     known[0.7].save(tmp_path / "state.json")
@@ -125,8 +125,8 @@ def test_yaml_snapshots_restore_recordings_and_rebuilds_keep_them(tmp_path):
         twin.restore(snapshot)
         assert after(twin, 2.0 - time) == end, time
     twin.restore(known[0.35])
-    twin.spawn(Robot("third", ROVER, xyz=(9, 9, 0.13)))
-    twin.delete("third")
+    twin.entities.spawn(Robot("third", ROVER, xyz=(9, 9, 0.13)))
+    twin.entities.delete("third")
     assert twin.snapshot().pushes == known[0.35].pushes
 
 
@@ -134,14 +134,14 @@ def test_a_push_is_made_once_though_the_step_changes_beside_it(free):
     for change in (0.1, 0.104, 0.108):
         twin = Twin(replace(free, pushes=(Push("box", 0.101, force=(3.0, 0.0, 0.0), duration=0.5),)))
         twin.advance_to(change)
-        twin.set_time_step(0.004)
+        twin.clock.set_time_step(0.004)
         twin.advance_to(1.0)
-        assert twin.entity_state("box").linear[0] == pytest.approx(0.5, abs=0.005)
+        assert twin.entities.state("box").linear[0] == pytest.approx(0.5, abs=0.005)
 
 
 def test_a_deleted_robot_takes_its_pushes_with_it():
     twin = Twin(driven(pushes=PUSHES))
-    twin.delete("robot_2")
+    twin.entities.delete("robot_2")
     assert twin.scenario.pushes == PUSHES[:1]
     assert len(twin.snapshot().pushes) == 1
     twin.advance_to(1.5)
@@ -151,9 +151,9 @@ def test_a_model_of_the_world_can_be_pushed(tmp_path):
     scenario = rover_and_crate(tmp_path).scenario()
     twin = Twin(replace(scenario, pushes=(Push("crate", 0.1, force=(0.0, 0.0, 1000.0), duration=0.2),)))
     twin.advance_to(0.1)
-    before = twin.entity_state("crate").position[2]
+    before = twin.entities.state("crate").position[2]
     twin.advance_to(0.3)
-    assert twin.entity_state("crate").position[2] > before + 0.01
+    assert twin.entities.state("crate").position[2] > before + 0.01
 
 
 def test_a_step_that_fails_leaves_a_push_to_come(free):

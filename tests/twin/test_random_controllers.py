@@ -20,7 +20,7 @@ def files(tmp_path_factory):
 
 
 def assert_what_always_holds(twin):
-    manager = twin.controller_manager("used")
+    manager = twin.control.manager("used")
     claims = [claim for item in manager.list_controllers() for claim in item.claimed_interfaces]
     assert len(claims) == len(set(claims))
     claimed = {item.name for item in manager.list_hardware_interfaces()[0] if item.is_claimed}
@@ -36,22 +36,22 @@ def assert_what_always_holds(twin):
 def test_random_use_lets_nothing_escape_and_leaves_the_neighbour_alone(files, seed):
     twin, alone = build(files), build(files, ("alone",))
     use, done, chained = RandomUse(twin, np.random.default_rng(seed)), [], 0
-    untouched = dict(twin.controller_manager("alone").states)
+    untouched = dict(twin.control.manager("alone").states)
     for _ in range(60):
         for _ in range(use.random.integers(1, 4)):
             with contextlib.suppress(TwinError):
                 done.append(use.call())
             assert_what_always_holds(twin)
         twin.step(STEPS)
-        if twin.step_count <= alone.step_count:
+        if twin.clock.step_count <= alone.clock.step_count:
             alone.reset()
-        alone.step(twin.step_count - alone.step_count)
+        alone.step(twin.clock.step_count - alone.clock.step_count)
         assert_what_always_holds(twin)
         chained += set(CHAIN) <= set(use.manager.active)
         one, other = twin.robot_state("alone"), alone.robot_state("alone")
         assert np.abs(np.subtract(one.positions, other.positions)).max() < 1e-6
         assert np.abs(np.subtract(one.velocities, other.velocities)).max() < 1e-6
-        assert twin.controller_manager("alone").states == untouched
+        assert twin.control.manager("alone").states == untouched
     assert {"switch", "chain", "publish", "send_goal"} <= set(done)
     assert chained > 0, "the whole chain was never active over some steps"
     twin.reset()
@@ -63,7 +63,7 @@ def test_the_end_of_a_goal_is_no_step_more_for_anybody(files):
     """The twin stops to tell of the end; a step made twice would show in the neighbour, which settles at the start."""
     twin, alone = build(files), build(files, ("alone",))
     points = [{"positions": [0.05, -0.05], "time_from_start": 0.1}]
-    goal = twin.send_goal(
+    goal = twin.graph.send_goal(
         "/used/trajectories/follow_joint_trajectory",
         {"trajectory": {"joint_names": ["shoulder", "elbow"], "points": points}},
     )
@@ -86,12 +86,12 @@ def test_what_an_inactive_controller_is_told_never_moves_a_joint(files, seed):
         assert uses[0].manager.states == uses[1].manager.states
         for _ in range(5):
             topic = publisher.topic()
-            if told.commanded[topic].controller not in uses[0].manager.active:
+            if told.built.commanded[topic].controller not in uses[0].manager.active:
                 told.publish(topic, publisher.message(topic))
         for action in ("trajectories/follow_joint_trajectory", "gripper/gripper_cmd"):
             if action.partition("/")[0] not in uses[0].manager.active:
                 with pytest.raises(TwinError, match="not active"):
-                    told.send_goal(f"/used/{action}", {})
+                    told.graph.send_goal(f"/used/{action}", {})
         for twin in (told, quiet):
             twin.step(STEPS)
         assert told.state_sha256() == quiet.state_sha256()

@@ -106,21 +106,21 @@ def test_yaml_rebuilds_restore_and_replay_keep_it(tmp_path):
     varied = replace(scenario_of(tmp_path, "velocities"), values=VALUES, retune=True)
     assert ScenarioFile(scenario_to_yaml(varied), "x.yaml").scenario == varied
     twin = Twin(replace(varied, retune=False))
-    twin.record()
+    twin.recorder.begin()
     twin.reset(varied)
     start = gains(twin)
     twin.advance_to(0.2)
     tuned = gains(twin)
     snapshot = twin.snapshot()
-    twin.spawn(replace(varied.robots[0], name="s", xyz=(9.0, 0.0, 0.0)))
+    twin.entities.spawn(replace(varied.robots[0], name="s", xyz=(9.0, 0.0, 0.0)))
     assert gains(twin)[: len(tuned)] == tuned
-    twin.delete("s")
+    twin.entities.delete("s")
     assert gains(twin) == tuned
     twin.reset()
     assert gains(twin) == start
     twin.advance_to(1.0)
     end = twin.state_sha256()
-    twin.recording().save(tmp_path / "run.json")
+    twin.recorder.recording().save(tmp_path / "run.json")
     assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == end
     other = Twin(replace(varied, retune=False))
     other.restore(snapshot)
@@ -130,7 +130,7 @@ def test_yaml_rebuilds_restore_and_replay_keep_it(tmp_path):
 def test_only_values_of_robots_need_a_build_and_only_where_they_retune(tmp_path):
     scenario = scenario_of(tmp_path, "velocities")
     with Twin(scenario) as twin:
-        plans = twin.plans
+        plans = twin.built.plans
     tuned = replace(scenario, retune=True, values={"friction": 0.5})
     for values, wanted in (({"friction": 0.7}, False), ({"friction": 0.5, "r.payload": 1.0}, True)):
         assert needs_build(tuned, replace(tuned, values=values), plans) is wanted

@@ -70,7 +70,7 @@ def test_a_command_that_is_given_again_leads_to_the_same_state():
 
 def test_a_recording_of_a_run_that_was_rewound_replays():
     twin = driven()
-    twin.record()
+    twin.recorder.begin()
     with Rewind(twin) as rewind:
         twin.advance_to(2.0)
         twin.publish(WHEELS, [4.0, 4.0, 4.0, 4.0])
@@ -79,15 +79,15 @@ def test_a_recording_of_a_run_that_was_rewound_replays():
         twin.advance_to(1.6)
         twin.publish(WHEELS, [0.0, 1.0, 0.0, 1.0])
         twin.advance_to(2.5)
-    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+    assert replay(twin.recorder.recording()).state_sha256() == twin.state_sha256()
 
 
 def test_robots_that_came_or_went_are_undone():
     twin = rovers(2).build()
     with Rewind(twin) as rewind:
         twin.advance_to(0.6)
-        twin.delete("robot_2")
-        twin.spawn(Robot("robot_3", twin.scenario.robots[0].model, xyz=(4, 0, 0.13)))
+        twin.entities.delete("robot_2")
+        twin.entities.spawn(Robot("robot_3", twin.scenario.robots[0].model, xyz=(4, 0, 0.13)))
         twin.advance_to(1.2)
         rewind.go_to(0.5)
         assert twin.robots == ("robot_1", "robot_2")
@@ -95,7 +95,7 @@ def test_robots_that_came_or_went_are_undone():
 
 def test_a_ring_of_a_minute_of_eight_rovers_is_small():
     twin = driven(8)
-    twin.set_time_step(0.02)  # the moments do not depend on it
+    twin.clock.set_time_step(0.02)  # the moments do not depend on it
     with Rewind(twin) as rewind:
         twin.advance_to(63.0)
         assert rewind.times == tuple(0.5 * index for index in range(5, 126))  # 2.5 s to 62.5 s
@@ -193,10 +193,10 @@ def test_commands_leave_marks_that_are_joined_while_they_last():
             twin.advance_to(0.1 * tick)
             twin.publish(WHEELS, [1.0, 1.0, 1.0, 1.0])
         twin.advance_to(4.0)
-        twin.emergency_stop("robot_1")
+        twin.control.emergency_stop("robot_1")
         with pytest.raises(InputError):
             twin.publish(WHEELS, [1.0, 1.0, 1.0, 1.0])  # refused: no mark
-        twin.controller_manager("robot_1").switch_controller((), ["forward_velocity_controller"])
+        twin.control.manager("robot_1").switch_controller((), ["forward_velocity_controller"])
         publish, stop, switch = rewind.marks
         assert publish == Mark(COMMAND, f"publish {WHEELS}", 0.0, pytest.approx(1.9))
         assert stop == Mark(COMMAND, "emergency stop robot_1", 4.0, 4.0)
@@ -210,7 +210,7 @@ def test_the_first_touch_of_two_models_leaves_a_mark():
     with Rewind(twin) as rewind:
         twin.advance_to(0.7)
         assert rewind.marks == ()
-        twin.place("robot_2", (0.0, 0.0, 0.60))  # it falls onto the other
+        twin.entities.place("robot_2", (0.0, 0.0, 0.60))  # it falls onto the other
         twin.advance_to(3.0)
         marks = [mark for mark in rewind.marks if mark.kind == CONTACT]
     assert [mark.text for mark in marks] == ["robot_1 touches robot_2"]

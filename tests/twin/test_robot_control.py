@@ -21,7 +21,7 @@ def test_a_joint_that_is_pushed_away_with_more_than_its_effort_is_held_where_it_
     twin.publish("/r/wheels/commands", [0.0, 0.0])
     twin.advance_to(0.1)
     torque, seconds = EFFORT_LIMIT + 10.0, 0.5
-    twin.apply_wrench("r::right_link", torque=(0.0, 0.0, torque), duration=seconds)
+    twin.entities.apply_wrench("r::right_link", torque=(0.0, 0.0, torque), duration=seconds)
     twin.advance_to(3.0)
     moved = 0.5 * (torque - EFFORT_LIMIT) / INERTIA * seconds**2  # against all of its effort
     assert positions(twin)[1] > 0.9 * moved
@@ -32,7 +32,7 @@ def test_a_joint_that_is_pushed_away_with_more_than_its_effort_is_held_where_it_
 def test_a_joint_that_is_pushed_away_with_less_comes_back(tmp_path):
     twin = hinges(tmp_path, WHEELS).build()
     twin.publish("/r/wheels/commands", [0.0, 0.0])
-    twin.apply_wrench("r::right_link", torque=(0.0, 0.0, 0.9 * EFFORT_LIMIT), duration=0.5)
+    twin.entities.apply_wrench("r::right_link", torque=(0.0, 0.0, 0.9 * EFFORT_LIMIT), duration=0.5)
     twin.advance_to(3.0)
     assert positions(twin) == pytest.approx((0.0, 0.0), abs=1e-4)
 
@@ -41,8 +41,8 @@ def test_a_joint_that_is_put_elsewhere_stays_there_and_the_others_where_they_are
     twin = hinges(tmp_path, WHEELS).build()
     twin.publish("/r/wheels/commands", [0.0, 0.0])
     twin.advance_to(0.1)
-    twin.set_joint_positions("r", {"right": 2.0})
-    twin.apply_wrench("r::left_link", torque=(0.0, 0.0, 0.5 * EFFORT_LIMIT), duration=0.2)
+    twin.entities.set_joint_positions("r", {"right": 2.0})
+    twin.entities.apply_wrench("r::left_link", torque=(0.0, 0.0, 0.5 * EFFORT_LIMIT), duration=0.2)
     twin.advance_to(2.0)
     assert positions(twin) == pytest.approx((0.0, 2.0), abs=1e-3)
 
@@ -52,7 +52,7 @@ def test_a_joint_that_is_put_a_little_aside_is_not_pulled_back(tmp_path, way):
     twin = hinges(tmp_path, WHEELS).build()
     twin.publish("/r/wheels/commands", [0.0, 0.0])
     twin.advance_to(0.1)
-    twin.set_joint_positions("r", {"right": way})
+    twin.entities.set_joint_positions("r", {"right": way})
     twin.advance_to(1.0)
     assert positions(twin) == pytest.approx((0.0, way), abs=0.01 * way)
 
@@ -81,14 +81,14 @@ def test_a_stop_is_saved(tmp_path):
     twin = hinges(tmp_path, WHEELS).build()
     twin.publish("/r/wheels/commands", [1.0, 1.0])
     twin.advance_to(0.5)
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     other = hinges(tmp_path, WHEELS).build()
     other.restore(twin.snapshot())
     for each in (twin, other):
         each.advance_to(2.0)
         assert each.robot_state("r").velocities == pytest.approx((0.0, 0.0), abs=1e-6)
     assert twin.state_sha256() == other.state_sha256()
-    other.clear_emergency_stop("r")
+    other.control.clear_emergency_stop("r")
     other.publish("/r/wheels/commands", [1.0, 1.0])
 
 
@@ -107,18 +107,18 @@ def test_a_stop_ends_a_goal_and_its_controller_goes_on_to_nowhere_once_it_is_cle
     twin = hinges(tmp_path, {"arm": trajectories("left", "right")}).build()
     points = [{"positions": [3.0, 0.0], "time_from_start": 1.0}]
     goal = {"trajectory": {"joint_names": ["left", "right"], "points": points}}
-    sent = twin.send_goal("/r/arm/follow_joint_trajectory", goal)
+    sent = twin.graph.send_goal("/r/arm/follow_joint_trajectory", goal)
     twin.advance_to(0.5)
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     assert sent.status == "canceled"
     twin.advance_to(1.5)
     stopped = positions(twin)
     assert stopped[0] == pytest.approx(1.5, abs=0.1)  # where it was, and the way to rest
-    twin.clear_emergency_stop("r")
+    twin.control.clear_emergency_stop("r")
     twin.advance_to(4.0)
     assert positions(twin) == pytest.approx(stopped, abs=0.1)
     assert twin.robot_state("r").velocities == pytest.approx((0.0, 0.0), abs=1e-6)
-    assert twin.controller_manager("r").active == ("arm",)
+    assert twin.control.manager("r").active == ("arm",)
 
 
 def test_an_arm_that_has_braked_is_held_against_gravity_where_it_came_to_rest(tmp_path):
@@ -142,7 +142,7 @@ def test_an_arm_that_has_braked_is_held_against_gravity_where_it_came_to_rest(tm
     twin = builder.build()
     twin.publish("/r/v/commands", [-1.0])
     twin.advance_to(0.3)
-    twin.emergency_stop("r")
+    twin.control.emergency_stop("r")
     while abs(twin.robot_state("r").velocities[0]) > 0.01:
         twin.step()
     rest = positions(twin)

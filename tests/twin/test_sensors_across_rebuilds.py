@@ -83,11 +83,11 @@ def test_a_spawn_and_a_delete_are_not_felt_by_sensors(twin):
     assert abs(before[7] ** 2 + before[8] ** 2 - 9.81**2) > 1.0  # it swings: this is not gravity at rest
     assert abs(before[11]) > 0.1
     same = pytest.approx(before, rel=1e-6, abs=1e-5)  # the accelerations of all come from one solve: to 1e-6 of gravity
-    twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
+    twin.entities.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
     assert measured(twin) == same
-    twin.delete("other")
+    twin.entities.delete("other")
     assert measured(twin) == same
-    twin.set_time_step(0.002)  # over a longer step accelerations are others, but near
+    twin.clock.set_time_step(0.002)  # over a longer step accelerations are others, but near
     assert measured(twin) == pytest.approx(before, rel=0.3, abs=0.1)
     twin.step(1)
     assert measured(twin) != same
@@ -108,9 +108,9 @@ def test_sensors_measure_the_same_in_a_state_that_was_saved(twin, tmp_path):
 
 
 def test_a_place_that_is_set_turns_the_imu_at_once(twin):
-    twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
+    twin.entities.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
     before = twin.latest("/r/imu_broadcaster/imu")
-    twin.set_joint_positions("r", {"j": 0.5})
+    twin.entities.set_joint_positions("r", {"j": 0.5})
     after = twin.latest("/r/imu_broadcaster/imu")
     assert abs(after.orientation.x - before.orientation.x) > 0.01
 
@@ -133,9 +133,9 @@ def test_a_rebuild_leaves_nothing_of_the_diagram_before(tmp_path):
     kinds = (MultibodyPlant, SceneGraph, DiagramBuilder, Diagram, SensorHost, SensorSystem)
     found = []
     for _ in range(4):
-        twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
+        twin.entities.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
         twin.step()
-        twin.delete("other")
+        twin.entities.delete("other")
         twin.step()
         found.append(living(*kinds))
     assert found[-1] == found[0]

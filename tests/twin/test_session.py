@@ -21,16 +21,16 @@ def newcomer(folder, controllers, name="new"):
 
 def goal(twin, topic, position):
     points = [{"positions": [position], "time_from_start": 1.0}]
-    return twin.send_goal(topic, {"trajectory": {"joint_names": ["left"], "points": points}})
+    return twin.graph.send_goal(topic, {"trajectory": {"joint_names": ["left"], "points": points}})
 
 
 def test_a_reset_ends_a_silence(tmp_path):
     twin = hinges(tmp_path, CONTROLLERS).command(WHEELS, [1.0, 0.0], time=0.1).build()
     for silenced, expected in ((True, None), (False, [1.0, 0.0])):
         if silenced:
-            twin.silence(WHEELS)
+            twin.graph.silence(WHEELS)
         twin.advance_to(0.2)
-        command = twin.command(WHEELS)
+        command = twin.graph.command(WHEELS)
         assert (command and list(command.data)) == expected
         twin.reset()
 
@@ -44,7 +44,7 @@ def test_a_saved_twin_whose_robot_has_other_controllers_gets_these(tmp_path):
     other.advance_to(0.1)
     twin.advance_to(0.3)
     twin.restore(other.snapshot())
-    assert twin.controller_manager("r").active == ("torques",)
+    assert twin.control.manager("r").active == ("torques",)
     for each in (twin, other):
         each.advance_to(0.5)
     assert twin.state_sha256() == other.state_sha256()
@@ -52,13 +52,13 @@ def test_a_saved_twin_whose_robot_has_other_controllers_gets_these(tmp_path):
 
 def test_pushes_and_time_go_on_when_a_robot_comes_or_the_step_changes(tmp_path):
     twin = hinges(tmp_path, {"torques": efforts("left", "right")}).build()
-    twin.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.4)
+    twin.entities.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.4)
     twin.advance_to(0.1)
-    twin.spawn(newcomer(tmp_path, CONTROLLERS))
-    twin.set_time_step(0.002)
+    twin.entities.spawn(newcomer(tmp_path, CONTROLLERS))
+    twin.clock.set_time_step(0.002)
     assert twin.time == pytest.approx(0.1)
     twin.advance_to(1.0)
-    assert twin.step_count == 500
+    assert twin.clock.step_count == 500
     assert twin.robot_state("r").velocities[0] == pytest.approx(2.0 / 0.5 * 0.4, rel=1e-6)
     assert twin.context.get_time() == pytest.approx(1.0)
 
@@ -67,7 +67,7 @@ def test_a_robot_that_comes_has_its_controllers_started_and_the_others_go_on(tmp
     twin = hinges(tmp_path, {"arm": trajectories("left")}).build()
     old = goal(twin, "/r/arm/follow_joint_trajectory", 0.4)
     twin.advance_to(0.5)
-    twin.spawn(newcomer(tmp_path, {"arm": trajectories("left")}))
+    twin.entities.spawn(newcomer(tmp_path, {"arm": trajectories("left")}))
     new = goal(twin, "/new/arm/follow_joint_trajectory", -0.2)
     twin.advance_to(1.7)
     assert (old.status, new.status) == ("succeeded", "succeeded")
@@ -77,12 +77,12 @@ def test_a_robot_that_comes_has_its_controllers_started_and_the_others_go_on(tmp
 
 def test_a_robot_that_goes_leaves_a_manager_that_switches_nothing(tmp_path):
     twin = hinges(tmp_path, CONTROLLERS, ("r", "other")).build()
-    manager = twin.controller_manager("other")
-    twin.delete("other")
+    manager = twin.control.manager("other")
+    twin.entities.delete("other")
     assert manager.states == {}
     assert not manager.switch_controller(deactivate=["wheels"], strictness=2)
     assert not manager.load_controller("wheels")
-    assert twin.controller_manager("r").states == {"wheels": "active"}
+    assert twin.control.manager("r").states == {"wheels": "active"}
     twin.step()
 
 
@@ -91,7 +91,7 @@ def test_a_robot_that_goes_ends_its_goals_without_a_word(tmp_path):
     gone = goal(twin, "/other/arm/follow_joint_trajectory", 0.4)
     stays = goal(twin, "/r/arm/follow_joint_trajectory", 0.4)
     twin.advance_to(0.5)
-    twin.delete("other")
+    twin.entities.delete("other")
     assert gone.status == "canceled"
     twin.advance_to(1.5)
     assert stays.status == "succeeded"
@@ -100,7 +100,7 @@ def test_a_robot_that_goes_ends_its_goals_without_a_word(tmp_path):
 def test_a_push_is_in_the_hash_and_in_what_is_saved(tmp_path):
     twin = hinges(tmp_path, CONTROLLERS).build()
     before = twin.state_sha256()
-    twin.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.4)
+    twin.entities.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.4)
     assert twin.state_sha256() != before
     saved = twin.snapshot()
     twin.reset()
@@ -114,13 +114,13 @@ def test_a_description_is_heard_again_when_another_robot_has_taken_the_name(tmp_
     heard = []
     twin.subscribe("/r/robot_description", lambda message: heard.append(message.data), rate=None)
     twin.advance_to(0.1)
-    twin.delete("r")
+    twin.entities.delete("r")
     twin.advance_to(0.2)
     assert len(heard) == 1
     other = newcomer(tmp_path, {"torques": efforts("left")}, "r")
     file = tmp_path / "r" / "hinges.urdf"
     file.write_text(file.read_text().replace('name="hinges"', 'name="other_hinges"'))
-    twin.spawn(other)
+    twin.entities.spawn(other)
     twin.advance_to(0.3)
     assert len(heard) == 2
     assert "other_hinges" in heard[1]

@@ -37,26 +37,26 @@ class RandomSession(RandomUse):
 
     def spawn(self):
         self._count += 1
-        self.twin.spawn(Robot(f"new_{self._count}", str(self._robot), xyz=(-5.0 * self._count, 0.0, 2.0)))
+        self.twin.entities.spawn(Robot(f"new_{self._count}", str(self._robot), xyz=(-5.0 * self._count, 0.0, 2.0)))
 
     def delete(self):
-        self.twin.delete(f"new_{int(self.random.integers(1, 4))}")
+        self.twin.entities.delete(f"new_{int(self.random.integers(1, 4))}")
 
     def step_length(self):
-        self.twin.set_time_step(float(self.random.choice([0.001, 0.002, 0.004])))
+        self.twin.clock.set_time_step(float(self.random.choice([0.001, 0.002, 0.004])))
 
     def push(self):
         force = self.random.normal(0.0, 5.0, 3)
-        self.twin.apply_wrench("used::link_elbow", force=force, duration=float(self.random.uniform(0.0, 0.3)))
+        self.twin.entities.apply_wrench("used::link_elbow", force=force, duration=float(self.random.uniform(0.0, 0.3)))
 
     def put(self):
-        self.twin.set_entity_state("new_1", position=np.add(self.random.normal(0.0, 1.0, 3), (-5.0, 0.0, 2.0)))
+        self.twin.entities.set_state("new_1", position=np.add(self.random.normal(0.0, 1.0, 3), (-5.0, 0.0, 2.0)))
 
     def burst(self):
         """Messages to controllers that listen: several of them wait for the next step."""
         active = self.manager.active
-        topics = [topic for topic, item in self.twin.commanded.items() if item.robot == "used"]
-        for topic in (topic for topic in topics if self.twin.commanded[topic].controller in active):
+        topics = [topic for topic, item in self.twin.built.commanded.items() if item.robot == "used"]
+        for topic in (topic for topic in topics if self.twin.built.commanded[topic].controller in active):
             self.twin.publish(topic, self.message(topic))
 
 
@@ -68,18 +68,18 @@ def session(files, seed, middle, folder):
         use = RandomSession(twin, np.random.default_rng(seed), files[0])
         for count in range(20):
             if count == start == 0:
-                twin.record()
+                twin.recorder.begin()
             for _ in range(use.random.integers(1, 4)):
                 with contextlib.suppress(TwinError):
                     use.call()
             with contextlib.suppress(TwinError):
                 use.burst()
             if count == start > 0:  # while commands wait
-                twin.record()
+                twin.recorder.begin()
             twin.play()
             twin.advance_to(twin.time + float(use.random.exponential(0.06)))
         file = folder / f"{seed}_from_{start}.json"
-        twin.recording().save(file)
+        twin.recorder.recording().save(file)
         recorded.append((str(file), twin.state_sha256()))
     assert recorded[0][1] == recorded[1][1], "recording changes the run"
     return recorded

@@ -55,21 +55,21 @@ def test_each_publisher_is_heard(twin):
     end()
     twin.advance_to(0.5)
     assert len(heard) == 2 * 3
-    assert list(twin.topics()).count("/fleet/joint_states") == 1
-    assert not [topic for topic in twin.topics() if "@" in topic]
+    assert list(twin.graph.topics()).count("/fleet/joint_states") == 1
+    assert not [topic for topic in twin.graph.topics() if "@" in topic]
 
 
 def test_who_is_stopped_or_inactive_keeps_no_other_from_hearing(twin):
-    twin.emergency_stop("robot_1")
+    twin.control.emergency_stop("robot_1")
     twin.publish(COMMANDS, [2.0] * 4)
     twin.advance_to(0.5)
     assert max(map(abs, velocities(twin, "robot_1"))) < 1e-6
     assert min(velocities(twin, "robot_2")) > 1.0
-    twin.emergency_stop("robot_2")
+    twin.control.emergency_stop("robot_2")
     with pytest.raises(CommandError, match="emergency stop of 'robot_1' holds"):
         twin.publish(COMMANDS, [2.0] * 4)
-    twin.clear_emergency_stop("robot_1")
-    twin.clear_emergency_stop("robot_2")
+    twin.control.clear_emergency_stop("robot_1")
+    twin.control.clear_emergency_stop("robot_2")
 
 
 def test_what_no_listener_accepts_is_refused(twin):
@@ -90,7 +90,7 @@ def test_the_state_holds_both_commands(twin, tmp_path):
 
 def test_a_robot_that_goes_leaves_the_other_its_topic():
     twin = Twin(replace(two_in_one_namespace(), commands=(Command(COMMANDS, (2.0,) * 4, time=0.3),)))
-    twin.delete("robot_1")
+    twin.entities.delete("robot_1")
     twin.advance_to(0.6)
     assert min(velocities(twin, "robot_2")) > 1.0
 
@@ -101,7 +101,7 @@ def test_two_types_on_one_topic_are_refused():
     first = replace(scenario.robots[0], remappings={own: "/fleet/joint_states"})
     builder_scenario = replace(scenario, robots=(first, scenario.robots[1]))
     twin = Twin(builder_scenario)  # one listens where the other publishes: that is what topics are for
-    assert twin.topics()["/fleet/joint_states"]
+    assert twin.graph.topics()["/fleet/joint_states"]
     clash = replace(scenario.robots[0], remappings={"/fleet/joint_states": "/fleet/robot_description"})
     with pytest.raises(InputError, match=r"/fleet/robot_description would have two types"):
         Twin(replace(scenario, robots=(clash, scenario.robots[1])))

@@ -14,7 +14,8 @@ from pydrake.multibody.plant import CoulombFriction
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.messages import float64_multi_array
-from drake_twin.scenario import Robot, World
+from drake_twin.scenario import Robot, World, absolute_files
+from drake_twin.twin import session
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.snapshot import Snapshot
 
@@ -40,7 +41,7 @@ def arm(tmp_path):
     twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "controllers.yaml").build()
     point = {"positions": [1.0, 0.5, -0.5], "time_from_start": 2.0}
     goal = {"joint_names": ["joint_1", "joint_2", "joint_3"], "points": [point]}
-    twin.send_goal("/arm/arm_controller/follow_joint_trajectory", {"trajectory": goal})
+    twin.graph.send_goal("/arm/arm_controller/follow_joint_trajectory", {"trajectory": goal})
     twin.publish("/arm/gripper/commands", [0.3])
     twin.advance_to(0.25)
     return twin
@@ -49,6 +50,31 @@ def arm(tmp_path):
 def on(twin, seconds):
     twin.advance_to(twin.time + seconds)
     return twin.state_sha256()
+
+
+def test_restoring_resolves_no_path_again(arm, monkeypatch, tmp_path):
+    """Not even where the diagram is built again: the files of a snapshot's scenario have been found."""
+    arm.entities.spawn(Robot("second", ARM, xyz=(2, 0, 0)))
+    two = arm.snapshot()
+    arm.entities.delete("second")
+    one = arm.snapshot()
+    resolved = []
+    monkeypatch.setattr(absolute_files, "absolute_path", resolved.append)
+    monkeypatch.setattr(absolute_files, "PackageIndex", resolved.append)
+    monkeypatch.setattr(session, "with_files_found", resolved.append)
+    monkeypatch.chdir(tmp_path)
+    arm.restore(two)
+    assert arm.robots == ("arm", "second")
+    arm.restore(one)
+    assert (arm.robots, resolved) == (("arm",), [])
+
+
+def test_the_present_scenario_is_not_read_again(arm, monkeypatch):
+    snapshot = arm.snapshot()
+    first = on(arm, 0.1)
+    monkeypatch.setattr(session, "ScenarioFile", lambda *_: pytest.fail("it is read again"))
+    arm.restore(snapshot)
+    assert on(arm, 0.1) == first
 
 
 def test_a_run_goes_on_from_a_snapshot_as_it_did_the_first_time(arm):
@@ -97,13 +123,13 @@ def test_robots_that_came_and_went_since_are_put_right():
     twin.advance_to(0.3)
     snapshot = twin.snapshot()
     first = on(twin, 0.5)
-    twin.delete("robot_2")
-    twin.spawn(Robot("new", ARM, xyz=(3, 0, 0)))
-    twin.set_time_step(0.01)
+    twin.entities.delete("robot_2")
+    twin.entities.spawn(Robot("new", ARM, xyz=(3, 0, 0)))
+    twin.clock.set_time_step(0.01)
     twin.advance_to(1.0)
     twin.restore(snapshot)
     assert twin.robots == ("robot_1", "robot_2")
-    assert twin.time_step == 0.001
+    assert twin.clock.time_step == 0.001
     assert on(twin, 0.5) == first
 
 
@@ -111,13 +137,13 @@ def test_a_switch_a_stop_and_a_timed_command_are_in_it():
     twin = rovers(2).command(WHEELS, [3] * 4, time=0.5).build()
     twin.publish("/robot_2/forward_velocity_controller/commands", [5] * 4)
     twin.advance_to(0.2)
-    twin.emergency_stop("robot_2")
-    twin.controller_manager("robot_1").switch_controller(deactivate=["joint_state_broadcaster"])
+    twin.control.emergency_stop("robot_2")
+    twin.control.manager("robot_1").switch_controller(deactivate=["joint_state_broadcaster"])
     snapshot = twin.snapshot()
     first = on(twin, 1.0)
-    twin.clear_emergency_stop("robot_2")
+    twin.control.clear_emergency_stop("robot_2")
     twin.restore(snapshot)
-    assert twin.controller_manager("robot_1").active == ("forward_velocity_controller",)
+    assert twin.control.manager("robot_1").active == ("forward_velocity_controller",)
     assert on(twin, 1.0) == first
 
 
@@ -185,12 +211,12 @@ def test_plain_data_comes_back_as_it_was(value):
 def test_a_step_that_waits_for_its_multiple_is_in_it():
     twin = rovers(1).build()
     twin.advance_to(0.503)
-    twin.set_time_step(0.01)
+    twin.clock.set_time_step(0.01)
     snapshot = twin.snapshot()
     first = on(twin, 0.5)
     other = Twin(twin.scenario)
     other.restore(snapshot)
-    assert (on(other, 0.5), other.time_step) == (first, 0.01)
+    assert (on(other, 0.5), other.clock.time_step) == (first, 0.01)
 
 
 def test_taking_one_changes_nothing_where_a_timed_command_meets_a_published_one():
@@ -211,8 +237,8 @@ def test_a_robot_of_the_same_name_and_another_model_is_put_right():
     twin.advance_to(0.3)
     snapshot = twin.snapshot()
     first = on(twin, 0.5)
-    twin.delete("robot_2")
-    twin.spawn(Robot("robot_2", ARM, xyz=(3, 0, 0)))
+    twin.entities.delete("robot_2")
+    twin.entities.spawn(Robot("robot_2", ARM, xyz=(3, 0, 0)))
     twin.advance_to(1.0)
     twin.restore(snapshot)
     assert on(twin, 0.5) == first
@@ -280,7 +306,7 @@ def test_a_command_that_was_saved_as_a_message_holds_as_its_numbers():
     twin.publish(WHEELS, [2.0] * 4)
     twin.advance_to(0.1)
     saved, expected = twin.snapshot(), twin.state_sha256()
-    message = twin.command(WHEELS)
+    message = twin.graph.command(WHEELS)
     twin.restore(replace(saved, commands={WHEELS: to_plain(message)}))
     assert twin.state_sha256() == expected
     with pytest.raises(InputError, match="does not fit"):
@@ -303,8 +329,8 @@ def test_the_hash_is_of_all_that_decides_how_a_twin_goes_on():
             lambda twin: None,
             lambda twin: twin.publish(WHEELS, [5.0] * 4),  # which waits for the next step
             lambda twin: twin.publish(WHEELS, [6.0] * 4),
-            lambda twin: twin.set_time_step(0.003),  # which waits for a time that both steps meet
-            lambda twin: twin.apply_wrench("robot_1::robot_1_base_link", force=(1, 0, 0), duration=1),
+            lambda twin: twin.clock.set_time_step(0.003),  # which waits for a time that both steps meet
+            lambda twin: twin.entities.apply_wrench("robot_1::robot_1_base_link", force=(1, 0, 0), duration=1),
             heavier,
         )
     ]
@@ -358,9 +384,9 @@ def test_friction_that_somebody_has_changed_is_in_state_and_hash_and_stays_where
     other.restore(twin.snapshot())
     assert friction_of(other, "robot_1::body") == 0.05
     assert other.state_sha256() == twin.state_sha256()
-    twin.spawn(Robot("new", ARM, xyz=(3, 0, 0)))
+    twin.entities.spawn(Robot("new", ARM, xyz=(3, 0, 0)))
     assert (friction_of(twin, "robot_1::body"), friction_of(twin, "robot_2::body")) == (0.05, usual)
-    twin.delete("new")
+    twin.entities.delete("new")
     twin.reset()
     assert friction_of(twin, "robot_1::body") == usual
 

@@ -48,7 +48,9 @@ def test_efforts_are_zero_unless_they_are_asked_for(make):
     twin = make()
     twin.publish("/r/forward_effort_controller/commands", [2.0])
     twin.step()
-    read = [read_robot_state(twin._session.built, twin.context, twin.plans[0], with_efforts=e) for e in (False, True)]
+    read = [
+        read_robot_state(twin._session.built, twin.context, twin.built.plans[0], with_efforts=e) for e in (False, True)
+    ]
     assert read[0].efforts == (0.0, 0.0)
     assert read[1].efforts == pytest.approx((0.0, 2.0))
     assert read[0].velocities == read[1].velocities != (0.0, 0.0)

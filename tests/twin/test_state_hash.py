@@ -24,17 +24,17 @@ def files(tmp_path_factory):
 def lively(files):
     """A twin in which there is something of everything: goals, pushes, waiting and expiring commands, a stop."""
     twin = build(files)
-    twin.spawn(Robot("rover", ROVER, xyz=(3.0, 0.0, 0.13)))
+    twin.entities.spawn(Robot("rover", ROVER, xyz=(3.0, 0.0, 0.13)))
     points = [{"positions": [1.0, 0.5], "time_from_start": 2.0}]
     goal = {"trajectory": {"joint_names": ["shoulder", "elbow"], "points": points}}
-    twin.send_goal("/used/trajectories/follow_joint_trajectory", goal)
+    twin.graph.send_goal("/used/trajectories/follow_joint_trajectory", goal)
     twin.publish("/rover/forward_velocity_controller/commands", [1.0, 2.0, 1.0, 2.0])
     twin.publish("/used/wheels/cmd_vel", {"twist": {"linear": {"x": 0.2}, "angular": {"z": 0.1}}})
-    twin.apply_wrench("used::link_elbow", force=(1.0, 0.0, 0.0), duration=1.0)
+    twin.entities.apply_wrench("used::link_elbow", force=(1.0, 0.0, 0.0), duration=1.0)
     twin.advance_to(0.3)
-    twin.emergency_stop("alone")
+    twin.control.emergency_stop("alone")
     twin.advance_to(0.35)
-    twin.set_time_step(0.003)
+    twin.clock.set_time_step(0.003)
     body = twin.plant.GetBodyByName("rover_base_link")
     body.SetMass(twin.plant.GetMyContextFromRoot(twin.context), 11.0)
     twin.publish("/rover/forward_velocity_controller/commands", [2.0, 2.0, 2.0, 2.0])

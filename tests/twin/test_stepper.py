@@ -31,7 +31,7 @@ def test_joints_are_looked_at_at_the_same_times_however_the_time_is_cut(make):
 
 def test_a_push_ends_at_its_time_within_an_advance(make):
     twin = make(efforts)
-    twin.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.3)
+    twin.entities.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.3)
     twin.advance_to(1.0)
     assert twin.robot_state("r").velocities[0] == pytest.approx(2.0 / INERTIA * 0.3, rel=1e-6)
 
@@ -55,7 +55,7 @@ def test_an_advance_that_fails_ends_before_the_step_that_fails(make, monkeypatch
     else:
         with pytest.raises(RunError, match="did not converge"):
             twin.step(steps)
-    assert twin.step_count == min(good, steps)
+    assert twin.clock.step_count == min(good, steps)
     assert twin.context.get_time() == pytest.approx(twin.time, abs=1e-12)
     monkeypatch.undo()
     twin.advance_to(0.05)
@@ -67,7 +67,7 @@ def test_an_advance_that_fails_ends_before_the_step_that_fails(make, monkeypatch
 
 def test_a_push_whose_step_fails_is_still_to_come(make, monkeypatch):
     twin = make(efforts)
-    twin.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.3)
+    twin.entities.apply_wrench("r::left_link", torque=(0.0, 0.0, 2.0), duration=0.3)
     twin.advance_to(0.3)
 
     def raise_error(self, step):
@@ -99,13 +99,13 @@ def test_a_callback_and_another_thread_are_told_apart(make):
     twin.step()
     assert errors["callback"].startswith("a callback cannot advance the twin")
     assert errors["thread"].startswith("one thread cannot advance a twin")
-    assert twin.step_count == 1
+    assert twin.clock.step_count == 1
 
 
 def test_a_time_is_met_although_a_callback_changes_the_step_on_the_way(make):
     twin = make()
     changes = [0.004, 0.005]
-    twin.subscribe("/clock", lambda message: changes and twin.set_time_step(changes.pop(0)), 1.0)
+    twin.subscribe("/clock", lambda message: changes and twin.clock.set_time_step(changes.pop(0)), 1.0)
     twin.advance_to(2.0)
-    assert (twin.time, twin.time_step) == (2.0, 0.005)
+    assert (twin.time, twin.clock.time_step) == (2.0, 0.005)
     assert twin.context.get_time() == pytest.approx(2.0)

@@ -2,7 +2,8 @@ import pytest
 from conftest import rovers
 
 from drake_twin.errors import RunError
-from drake_twin.systems.draft import LaterDraft, Reading
+from drake_twin.messages.draft import LaterDraft
+from drake_twin.systems.plant_reading import Reading
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
 
 

@@ -32,7 +32,7 @@ def world(tmp_path):
 
 
 def sunk(twin):
-    return [text for text in twin.warnings if "deep" in text]
+    return [text for text in twin.findings.warnings if "deep" in text]
 
 
 @pytest.mark.parametrize(
@@ -63,14 +63,14 @@ def test_of_two_robots_the_one_that_comes_later_is_named_with_the_other(cube, ca
     at_start = "a: it starts 7.0 cm deep in robot 'b' (body in body): contact pushes it out"
     assert sunk(twin) == [at_start]
     twin.advance_to(1.0)
-    apart = twin.entity_state("a").position[0] - twin.entity_state("b").position[0]
+    apart = twin.entities.state("a").position[0] - twin.entities.state("b").position[0]
     assert apart == pytest.approx(0.2, abs=5e-3)
-    twin.spawn(Robot("c", cube, xyz=(5, 0, 0.1)))
+    twin.entities.spawn(Robot("c", cube, xyz=(5, 0, 0.1)))
     assert caplog.messages == []
-    twin.spawn(Robot("d", cube, xyz=(5.1, 0, 0.1)))
+    twin.entities.spawn(Robot("d", cube, xyz=(5.1, 0, 0.1)))
     later = "d: it starts 10.0 cm deep in robot 'c' (body in body): contact pushes it out"
     assert sunk(twin) == [at_start, later]
     assert caplog.messages == [later]
-    twin.set_time_step(0.01)
-    twin.delete("a")
+    twin.clock.set_time_step(0.01)
+    twin.entities.delete("a")
     assert sunk(twin) == [later]

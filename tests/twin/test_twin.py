@@ -97,7 +97,7 @@ def test_the_arm_without_ros2_control_droops():
     twin.advance_to(2.0)
     positions = dict(zip(twin.robot_state("arm").joints, twin.robot_state("arm").positions, strict=True))
     assert positions["joint_3"] > 0.5
-    assert twin.commanded == {}
+    assert twin.built.commanded == {}
 
 
 @pytest.mark.parametrize("active", [None, []], ids=["claimed", "unclaimed"])
@@ -243,7 +243,7 @@ def test_time_is_counted_in_whole_steps(twin):
     assert twin.advance_to(0.0105) == pytest.approx(0.011)
     for count in range(12, 112):
         assert twin.step() == pytest.approx(0.001 * count)
-    assert twin.step_count == 111
+    assert twin.clock.step_count == 111
 
 
 def test_the_past_and_no_time_at_all_are_refused(twin):
@@ -285,14 +285,14 @@ def test_reset_goes_back_to_the_same_bits(twin):
     for _ in range(5):
         twin.reset()
         assert twin.time == 0
-        assert twin.command(WHEELS_1) is None
+        assert twin.graph.command(WHEELS_1) is None
         assert drive(twin) == first
 
 
 def test_listening_and_cutting_the_time_change_nothing(twin):
     alone = drive(rovers().build())
-    for topic in twin.topics():
-        if topic not in twin.commanded:
+    for topic in twin.graph.topics():
+        if topic not in twin.built.commanded:
             twin.subscribe(topic, lambda message: None, rate=77)
     twin.publish(WHEELS_1, [5, 2, 5, 2])
     for step in range(1, 101):
@@ -315,7 +315,7 @@ def test_the_hash_tells_commands_and_states_apart(twin):
 
 
 def test_topics_are_named_and_typed_as_in_ros(twin):
-    topics = twin.topics()
+    topics = twin.graph.topics()
     assert topics["/robot_1/joint_states"] == "sensor_msgs/msg/JointState"
     assert topics["/robot_2/dynamic_joint_states"] == "control_msgs/msg/DynamicJointState"
     assert topics["/robot_1/robot_description"] == "std_msgs/msg/String"
@@ -328,8 +328,8 @@ def test_topics_are_named_and_typed_as_in_ros(twin):
 def test_every_message_serialises_to_ros_wire_format(twin):
     store = messages.type_store()
     twin.advance_to(0.1)
-    for topic, kind in twin.topics().items():
-        if topic not in twin.commanded:
+    for topic, kind in twin.graph.topics().items():
+        if topic not in twin.built.commanded:
             assert store.serialize_cdr(twin.latest(topic), kind)
 
 
@@ -389,20 +389,20 @@ def test_timed_commands_are_published_at_their_time_and_again_each_period():
     seen = []
     for time in (0.4, 0.9, 1.4, 1.9, 2.4):
         twin.advance_to(time)
-        seen.append(float(twin.command(WHEELS_1).data[0]))
+        seen.append(float(twin.graph.command(WHEELS_1).data[0]))
     assert seen == [1, 3, 2, 3, 2]
 
 
 def test_a_silenced_topic_no_longer_gets_the_scenarios_commands_until_reset():
     twin = rovers(1).command(WHEELS_1, [1] * 4, period=0.1).build()
     twin.advance_to(0.05)
-    twin.silence(WHEELS_1)
+    twin.graph.silence(WHEELS_1)
     twin.publish(WHEELS_1, [2] * 4)
     twin.advance_to(0.5)
-    assert twin.command(WHEELS_1).data[0] == 2
+    assert twin.graph.command(WHEELS_1).data[0] == 2
     twin.reset()
     twin.advance_to(0.05)
-    assert twin.command(WHEELS_1).data[0] == 1
+    assert twin.graph.command(WHEELS_1).data[0] == 1
 
 
 def test_a_wrong_command_in_the_scenario_is_refused_when_the_twin_is_built():
@@ -426,7 +426,7 @@ def test_run_stops_when_told_to(twin):
 
 
 def test_run_in_real_time_grants_each_frame_its_share_of_steps(twin):
-    twin.real_time_rate = 0.5
+    twin.clock.real_time_rate = 0.5
     times = []
     twin.run(0.1, each_frame=lambda: times.append(twin.time) or True)
     steps = np.diff(times) / twin.scenario.time_step
@@ -495,7 +495,7 @@ def test_static_transforms_in_a_circle_are_refused():
 
 def test_a_name_that_begins_like_a_link_is_no_prefix():
     twin = TwinBuilder().robot("fore", ARM).build()
-    assert [plan.base_frame for plan in twin.plans] == ["fore/world"]
+    assert [plan.base_frame for plan in twin.built.plans] == ["fore/world"]
 
 
 def test_a_published_message_cannot_be_changed_for_others(twin):
@@ -533,8 +533,8 @@ def test_a_callback_cannot_advance_or_reset_the_twin_that_calls_it(twin, call):
         lambda twin: twin.subscribe("/clock", print, rate=1e-320),
         lambda twin: setattr(twin, "real_time_rate", 0),
         lambda twin: twin.robot_state(3),
-        lambda twin: twin.set_joint_positions("robot_1", {"knee": 1.0}),
-        lambda twin: twin.set_joint_positions("robot_1", {"robot_1_rear_left_wheel_joint": np.nan}),
+        lambda twin: twin.entities.set_joint_positions("robot_1", {"knee": 1.0}),
+        lambda twin: twin.entities.set_joint_positions("robot_1", {"robot_1_rear_left_wheel_joint": np.nan}),
     ],
 )
 def test_a_call_that_makes_no_sense_is_refused_in_words(twin, call):
@@ -545,7 +545,7 @@ def test_a_call_that_makes_no_sense_is_refused_in_words(twin, call):
 
 def test_joints_can_be_put_somewhere_without_physics():
     twin = TwinBuilder().robot("arm", ARM).build()
-    twin.set_joint_positions("arm", {"joint_2": 0.4})
+    twin.entities.set_joint_positions("arm", {"joint_2": 0.4})
     assert twin.robot_state("arm").positions[1] == 0.4
     assert twin.time == 0
 
@@ -577,7 +577,7 @@ def test_joint_friction_slows_a_swing_as_coulomb_friction_does(tmp_path):
 
     friction, inertia, torque = 0.3, 0.1 + 1.0, 9.81
     twin = pendulum(tmp_path, friction)
-    twin.set_joint_positions("p", {"j": 1.0})
+    twin.entities.set_joint_positions("p", {"j": 1.0})
     twin.advance_to(0.5)
 
     def falling(_, state):
@@ -701,7 +701,7 @@ def test_the_command_that_holds_is_a_message_that_can_be_published_again():
     topic = "/robot_1/forward_velocity_controller/commands"
     twin.publish(topic, [1, 2, 1, 2])
     for advance in (0.1, 0.2):  # waiting, then on its port
-        message = twin.command(topic)
+        message = twin.graph.command(topic)
         assert message.data.tolist() == [1, 2, 1, 2]
         twin.publish(topic.replace("robot_1", "robot_2"), message)
         twin.advance_to(advance)
@@ -723,7 +723,7 @@ def test_a_twin_may_be_closed_twice():
         lambda twin: twin.robot_state("robot_1"),
         lambda twin: twin.publish("/robot_1/forward_velocity_controller/commands", [1.0, 1.0, 1.0, 1.0]),
         lambda twin: twin.reset(),
-        lambda twin: twin.topics(),
+        lambda twin: twin.graph.topics(),
         lambda twin: twin.plant,
     ],
 )

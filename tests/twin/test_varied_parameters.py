@@ -73,7 +73,7 @@ def test_yaml_holds_them_and_a_reset_returns_to_them(scenario):
     assert ScenarioFile(scenario_to_yaml(varied), "x.yaml").scenario == varied
     twin = Twin(varied)
     first = after(twin)
-    twin.set_values({"friction": 0.6, "robot_1.payload": 4.0})
+    twin.entities.set_values({"friction": 0.6, "robot_1.payload": 4.0})
     assert after(twin) != first
     twin.reset()
     assert after(twin) == first
@@ -81,13 +81,13 @@ def test_yaml_holds_them_and_a_reset_returns_to_them(scenario):
 
 def test_a_change_while_it_runs_is_kept_by_snapshot_restore_spawn_and_replay(scenario, tmp_path):
     twin = Twin(replace(scenario, values={"friction": 1.0}))
-    twin.record()
+    twin.recorder.begin()
     twin.advance_to(0.2)
-    twin.set_values({"friction": 0.03, "robot_1.base_link.mass": 20.0, f"{WHEEL}.damping": 2.0})
+    twin.entities.set_values({"friction": 0.03, "robot_1.base_link.mass": 20.0, f"{WHEEL}.damping": 2.0})
     snapshot = twin.snapshot()
     assert Snapshot(**vars(snapshot)).parameters == snapshot.parameters != {}
     changed = after(twin, 0.5)
-    twin.recording().save(tmp_path / "run.json")
+    twin.recorder.recording().save(tmp_path / "run.json")
     assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == changed
 
     def mass_and_friction(twin):
@@ -100,10 +100,10 @@ def test_a_change_while_it_runs_is_kept_by_snapshot_restore_spawn_and_replay(sce
     twin.restore(snapshot)
     assert mass_and_friction(twin) == kept
     assert after(twin, 0.5) == changed
-    twin.spawn(Robot("third", ROVER, xyz=(5, 5, 0.13)))
+    twin.entities.spawn(Robot("third", ROVER, xyz=(5, 5, 0.13)))
     assert mass_and_friction(twin) == kept
-    twin.delete("third")
-    twin.set_time_step(0.002)
+    twin.entities.delete("third")
+    twin.clock.set_time_step(0.002)
     assert mass_and_friction(twin) == kept
     twin.reset()
     assert mass_and_friction(twin)[0] != 20.0
@@ -111,18 +111,18 @@ def test_a_change_while_it_runs_is_kept_by_snapshot_restore_spawn_and_replay(sce
 
 def test_a_robot_that_is_spawned_slips_on_the_varied_ground_as_the_others(scenario):
     twin = Twin(replace(rovers(1).scenario(), values={"friction": 0.02}))
-    twin.spawn(Robot("robot_2", ROVER, xyz=(0, 3, 0.13)))
+    twin.entities.spawn(Robot("robot_2", ROVER, xyz=(0, 3, 0.13)))
     for robot in twin.robots:
         twin.publish(f"/{robot}/forward_velocity_controller/commands", [10.0] * 4)
     twin.advance_to(1.0)
-    one, two = (twin.entity_state(robot).position[0] for robot in twin.robots)
+    one, two = (twin.entities.state(robot).position[0] for robot in twin.robots)
     assert two == pytest.approx(one, rel=1e-3)
     assert one == pytest.approx(0.5 * 0.02 * 9.81, rel=0.1)
 
 
 def test_a_deleted_robot_takes_its_values_with_it(scenario):
     twin = Twin(replace(scenario, values={"friction": 0.5, "robot_2.payload": 1.0}))
-    twin.delete("robot_2")
+    twin.entities.delete("robot_2")
     assert twin.scenario.values == {"friction": 0.5}
 
 
@@ -138,10 +138,10 @@ def test_a_box_slides_as_far_as_its_speed_and_the_friction_say(tmp_path, frictio
     twin = Twin(replace(scenario, values={"friction": 1.0}))
     twin.reset(replace(scenario, values={"friction": friction}))
     twin.advance_to(0.1)
-    start, speed = twin.entity_state("box").position[0], 1.5
-    twin.set_entity_state("box", linear=(speed, 0, 0))
+    start, speed = twin.entities.state("box").position[0], 1.5
+    twin.entities.set_state("box", linear=(speed, 0, 0))
     twin.advance_to(0.1 + 1.3 * speed / (friction * 9.81))
-    assert twin.entity_state("box").position[0] - start == pytest.approx(speed**2 / (2 * friction * 9.81), rel=0.03)
+    assert twin.entities.state("box").position[0] - start == pytest.approx(speed**2 / (2 * friction * 9.81), rel=0.03)
 
 
 PENDULUM = """<robot name="p"><link name="world"/><link name="arm">
@@ -207,9 +207,9 @@ def test_a_robots_friction_and_that_of_a_joint_and_a_controllers_parameter_are_t
     box = Robot("box", str(tmp_path / "box.urdf"), xyz=(0, 0, 0.05), friction=0.25)
     twin = Twin(Scenario((box,)))
     twin.advance_to(0.1)
-    twin.set_entity_state("box", linear=(1.0, 0, 0))
+    twin.entities.set_state("box", linear=(1.0, 0, 0))
     twin.advance_to(1.5)
-    assert twin.entity_state("box").position[0] == pytest.approx(1 / (2 * 0.25 * 9.81), rel=0.03)
+    assert twin.entities.state("box").position[0] == pytest.approx(1 / (2 * 0.25 * 9.81), rel=0.03)
     (tmp_path / "p.urdf").write_text(PENDULUM.format(mass=1.0, damping=0.0))
     held = Robot("p", str(tmp_path / "p.urdf"), initial_positions={"j": 0.1}, joint_friction={"j": 3.0})
     twin = Twin(Scenario((held,)))
@@ -238,7 +238,7 @@ def test_a_value_that_is_unknown_or_not_physical_is_refused_and_changes_nothing(
     assert text in str(refused.value)
     twin = Twin(scenario)
     before = twin.state_sha256()
-    for call in (twin.reset, lambda varied: twin.set_values(varied.values)):
+    for call in (twin.reset, lambda varied: twin.entities.set_values(varied.values)):
         with pytest.raises(InputError):
             call(replace(scenario, values=values))
         assert (twin.state_sha256(), twin.scenario) == (before, scenario)

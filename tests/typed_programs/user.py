@@ -47,6 +47,7 @@ from drake_twin.description.repairs import Mended, repair
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.findings import Findings
 from drake_twin.gym import TwinEnv
 from drake_twin.saved import saved
 from drake_twin.scenario import Push
@@ -181,17 +182,18 @@ def drive(file: Path) -> str:
     assert_type(twin.diagram, Diagram)
     heard: list[float] = []
     end = twin.subscribe("/arm/joint_states", lambda message: heard.append(message.velocity[0]), rate=10)
-    twin.record()
+    twin.recorder.begin()
     twin.publish("/rover/forward_velocity_controller/commands", [2, 2, 2, 2])
     assert_type(twin.advance_to(0.2), float)
     end()
     assert_type(twin.robot_state("rover"), RobotState)
-    assert_type(twin.entity_state("rover"), EntityState)
-    assert_type(twin.findings, tuple[Finding, ...])
+    assert_type(twin.entities.state("rover"), EntityState)
+    assert_type(twin.findings, Findings)
+    assert_type(twin.findings[0], Finding)
     assert_type(twin.findings[0].kind, Kind)
     assert_type(twin.robots, tuple[str, ...])
-    assert_type(twin.recording(), Recording)
-    twin.recording().save(file)
+    assert_type(twin.recorder.recording(), Recording)
+    twin.recorder.recording().save(file)
     again = replay(Recording.load(file))
     assert_type(again, Twin)
     assert again.state_sha256() == twin.state_sha256()
@@ -200,7 +202,7 @@ def drive(file: Path) -> str:
     twin.restore(kept)
     with Rewind(twin, seconds=10.0) as rewind:
         assert_type(rewind.times, tuple[float, ...])
-        twin.spawn(Robot("second", ROVER, xyz=(0, 4, 0.13)))
+        twin.entities.spawn(Robot("second", ROVER, xyz=(0, 4, 0.13)))
         twin.step(10)
     with show(twin, port=0) as page:
         assert_type(page, TwinPage)
@@ -212,7 +214,7 @@ def drive(file: Path) -> str:
 
 def follow(twin: Twin) -> ActionGoal:
     """Send a goal to a controller."""
-    return twin.send_goal(
+    return twin.graph.send_goal(
         "/arm/joint_trajectory_controller/follow_joint_trajectory", {}, lambda goal: print(goal.status)
     )
 

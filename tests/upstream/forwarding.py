@@ -8,8 +8,8 @@ from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import empty_value, make_value
-from drake_twin.systems.state_layout import StateLayout
 
 JOINTS = ["joint1", "joint2", "joint3"]
 ROBOT = RobotDescription("robot", ("base", "link"), tuple(Joint(name, "continuous", "base", "link") for name in JOINTS))

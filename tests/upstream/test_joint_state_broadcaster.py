@@ -18,8 +18,8 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import or_none
-from drake_twin.systems.state_layout import StateLayout
 from upstream.suite import Suite
 
 ASSERTIONS = 203

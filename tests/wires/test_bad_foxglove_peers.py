@@ -88,7 +88,7 @@ def test_random_bytes_and_lengths_that_lie(twin, wire, caplog):
     before = twin.time
     while_running(twin, send)
     assert twin.time > before
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
     assert 1 <= len(lines(caplog, COMMANDS)) <= 3
     assert 1 <= len(lines(caplog, SWITCH)) <= 2
     assert len(lines(caplog, "foxglove")) < 30  # one a kind of problem that the SDK finds, not one a message
@@ -105,7 +105,7 @@ def test_what_does_not_speak_the_protocol(twin, wire, caplog):
             good_command(peer)
 
     while_running(twin, send)
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
     assert len(lines(caplog, "foxglove")) <= 3
 
 
@@ -126,7 +126,7 @@ def test_a_message_of_2_and_one_of_100_megabytes(twin, wire, caplog):
         return memory() - before
 
     assert while_running(twin, send) < 100
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
     assert lines(caplog, COMMANDS) == [f"{COMMANDS}: a message of more than 1048576 bytes is ignored"]
 
 
@@ -141,7 +141,7 @@ def test_a_flood_of_commands(twin, wire):
             return memory() - before
 
     assert while_running(twin, send) < 100
-    assert list(twin.command(COMMANDS).data) == [2.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [2.5] * 4
 
 
 def test_a_client_that_advertises_without_end(twin, wire, caplog):
@@ -154,7 +154,7 @@ def test_a_client_that_advertises_without_end(twin, wire, caplog):
             good_command(peer)
 
     while_running(twin, send)
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
     assert lines(caplog, COMMANDS) == [f"{COMMANDS}: more than 1000 channels of clients"]
 
 

@@ -74,7 +74,7 @@ def test_random_bytes_and_lengths_that_lie(twin, port, caplog):
     before = twin.time
     while_running(twin, send)
     assert twin.time > before
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
     said = [record.getMessage() for record in caplog.records]
     assert len([text for text in said if text.startswith(f"{COMMANDS}: ")]) <= 3
     assert len([text for text in said if text.startswith(f"{SWITCH}: ")]) <= 2
@@ -98,7 +98,7 @@ def test_a_message_of_100_megabytes(twin, port, caplog):
 
     grown = while_running(twin, send)
     assert grown < 250  # what the peer and the twin, in this one process, keep for the next one
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
     (said,) = [record.getMessage() for record in caplog.records if record.getMessage().startswith(COMMANDS)]
     assert said == f"{COMMANDS}: a message of more than 1048576 bytes is ignored"
 
@@ -116,7 +116,7 @@ def test_a_flood_of_commands(twin, port):
             return memory() - before
 
     grown = while_running(twin, send)
-    assert list(twin.command(COMMANDS).data) == [2.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [2.5] * 4
     assert grown < 100
     assert twin.time > 0.1
 
@@ -133,7 +133,7 @@ def test_clients_that_leave_before_the_answer(twin, port):
             good_command(other)
 
     while_running(twin, use)
-    assert list(twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4
 
 
 def test_open_wires_that_nobody_uses_change_no_bit(port):
@@ -169,4 +169,4 @@ def test_a_type_without_a_hash_is_on_the_graph_as_humble_has_it(port, monkeypatc
                 while_running(twin, lambda: heard.wait_for(10))
         finally:
             seam.close()
-        assert list(twin.command(COMMANDS).data) == [1.5] * 4
+        assert list(twin.graph.command(COMMANDS).data) == [1.5] * 4

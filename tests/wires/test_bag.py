@@ -71,7 +71,7 @@ def test_only_the_topics_that_are_asked_for(tmp_path):
 def test_a_robot_that_comes_later_is_in_the_bag(tmp_path):
     written(
         tmp_path / "bag",
-        meanwhile=lambda twin, wire: twin.spawn(Robot("late", ROVER, xyz=(0.0, 4.0, 0.13))),
+        meanwhile=lambda twin, wire: twin.entities.spawn(Robot("late", ROVER, xyz=(0.0, 4.0, 0.13))),
     )
     with AnyReader([tmp_path / "bag"]) as reader:
         assert reader.topics["/late/joint_states"].msgcount == 50

@@ -106,7 +106,7 @@ def test_the_graph_names_the_nodes_and_their_endpoints(twin):
     with fast_dds_peer(DOMAIN) as peer:
         peer.do(f"sub ros_discovery_info {dds_type(GRAPH_TYPE)} latched")
         data = bytes.fromhex(peer.wait(1, "heard", "ros_discovery_info")[-1][2])
-        writers = {line[1]: line for line in peer.wait(len(twin.topics()) - 2, "writer")}
+        writers = {line[1]: line for line in peer.wait(len(twin.graph.topics()) - 2, "writer")}
         (reader,) = peer.wait(1, "reader", f"rt{COMMANDS}")
     message = JAZZY.deserialize_cdr(data, GRAPH_TYPE)
     nodes = {f"{node.node_namespace.rstrip('/')}/{node.node_name}": node for node in message.node_entities_info_seq}
@@ -125,7 +125,7 @@ def _hash(kind):
 
 
 def test_commands_are_recorded_and_replayed(twin):
-    twin.record()
+    twin.recorder.begin()
     with fast_dds_peer(DOMAIN) as peer:
 
         def work():
@@ -136,9 +136,9 @@ def test_commands_are_recorded_and_replayed(twin):
                 states(peer, len(states(peer, 1)) + 10)
 
         while_running(twin, work)
-    assert list(twin.command(COMMANDS).data) == [3.0] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [3.0] * 4
     assert twin.robot_state("robot_1").base_pose[0] > 0.005
-    with replay(twin.recording()) as again:
+    with replay(twin.recorder.recording()) as again:
         assert again.state_sha256() == twin.state_sha256()
 
 
@@ -164,10 +164,10 @@ def test_spawns_and_deletes_leave_nothing(twin):
     wire = twin.inbox.looks[0].__self__._wires[0]
     counts = len(wire._senders), len(wire._listeners)
     for _ in range(20):
-        twin.spawn(Robot("guest", ROVER, xyz=(0, -3, 0.13)))
+        twin.entities.spawn(Robot("guest", ROVER, xyz=(0, -3, 0.13)))
         twin.advance_to(twin.time + 0.02)
         assert len(wire._senders) > counts[0]
-        twin.delete("guest")
+        twin.entities.delete("guest")
         twin.advance_to(twin.time + 0.02)
     assert (len(wire._senders), len(wire._listeners)) == counts
     assert set(threading.enumerate()) == before
@@ -191,7 +191,7 @@ def test_bytes_that_are_no_message_are_one_line_of_the_log(twin, caplog):
     lines = {line for line in caplog.messages if line.startswith(COMMANDS)}
     assert len(lines) <= 3
     assert len([line for line in caplog.messages if line.startswith(COMMANDS)]) == len(lines)
-    assert twin.command(COMMANDS) is None
+    assert twin.graph.command(COMMANDS) is None
 
 
 def test_a_peer_that_stops_to_read_does_not_stop_the_simulation(twin):

@@ -118,7 +118,7 @@ def test_foxglove_reads_every_schema(shown):
         return peer.first("parsed")
 
     found = shown.run(read)
-    published = {item.name for item in shown.twin.endpoints if item.kind == PUBLISHED}
+    published = {item.name for item in shown.twin.graph.endpoints if item.kind == PUBLISHED}
     assert set(found["channels"]) == published | {"/drake_twin/simulate_steps/_action/status"}
     assert {LIST, "/drake_twin/spawn_entity", "/pause_physics"} < set(found["services"])
     assert not any("send_goal" in name for name in found["services"])
@@ -196,7 +196,7 @@ def test_without_control_a_client_only_sees(shown):
     assert sorted(capabilities) == ["assets", "time"]
     assert services == []
     assert any("not support" in text for text in said)
-    assert shown.twin.command(COMMANDS) is None
+    assert shown.twin.graph.command(COMMANDS) is None
     assert before != shown.twin.state_sha256()  # it has run
 
 
@@ -208,15 +208,15 @@ def test_500_of_500_commands_are_applied_and_replayed(shown):
             publish(array(*[number / 100] * 4))
         return peer.call(LIST)
 
-    shown.twin.record()
+    shown.twin.recorder.begin()
     names = {item["name"] for item in shown.run(command)["controller"]}
     assert "forward_velocity_controller" in names
     shown.twin.advance_to(shown.twin.time + 0.5)
-    calls = [call for call in shown.twin.recording().calls if call.name == "publish"]
+    calls = [call for call in shown.twin.recorder.recording().calls if call.name == "publish"]
     values = [call.arguments[1] if call.arguments else call.named["data"] for call in calls]
     assert [float(value.data[0]) for value in values] == [number / 100 for number in range(500)]
     assert shown.twin.robot_state("robot_1").velocities[0] > 1.0
-    with replay(shown.twin.recording()) as again:
+    with replay(shown.twin.recorder.recording()) as again:
         assert again.state_sha256() == shown.twin.state_sha256()
 
 
@@ -230,7 +230,7 @@ def test_commands_in_json(shown, caplog):
         peer.call(LIST)
 
     shown.run(command)
-    assert list(shown.twin.command(COMMANDS).data) == [1.5] * 4
+    assert list(shown.twin.graph.command(COMMANDS).data) == [1.5] * 4
     (line,) = said(caplog)
     assert line.startswith(f"{COMMANDS}: a message is not a {ARRAY}: ")
 
@@ -249,7 +249,7 @@ def test_what_is_not_a_command_is_refused_with_one_line(shown, caplog):
         peer.call(LIST)
 
     shown.run(command)
-    assert shown.twin.command(COMMANDS) is None
+    assert shown.twin.graph.command(COMMANDS) is None
     assert said(caplog) == [
         f"{COMMANDS}: a geometry_msgs/msg/Twist is ignored: the topic's type is {ARRAY}",
         f"{COMMANDS}: the encoding 'protobuf' is not read: cdr and json are",
@@ -302,7 +302,7 @@ def test_files_of_the_robots_packages_and_no_others(shown):
         return peer.fetch(mesh)
 
     content = shown.run(fetch)
-    (file,) = {path for plan in shown.twin.plans for path in plan.model.meshes if path.name == "turret.stl"}
+    (file,) = {path for plan in shown.twin.built.plans for path in plan.model.meshes if path.name == "turret.stl"}
     assert content == file.read_bytes()
 
 

@@ -143,13 +143,13 @@ def test_without_control_nothing_is_offered_to_clients(shown):
         client.publish(COMMANDS, ARRAY, serialize(float64_multi_array([3.0] * 4)))
         while_running(twin, lambda: (client.subscribe(STATES), client.wait("message", 20, topic=STATES)))
         assert not client.of("service")
-    assert twin.command(COMMANDS) is None
+    assert twin.graph.command(COMMANDS) is None
 
 
 @pytest.mark.parametrize("encoding", ["cdr", "json"])
 def test_commands_are_recorded_and_replayed(controlled, encoding):
     twin, place = controlled
-    twin.record()
+    twin.recorder.begin()
     data = {"cdr": serialize(float64_multi_array([3.0] * 4)), "json": json.dumps({"data": [3.0] * 4}).encode()}
     with foxglove_peer(place) as client:
 
@@ -160,9 +160,9 @@ def test_commands_are_recorded_and_replayed(controlled, encoding):
             client.wait("message", len(client.of("message", topic=STATES)) + 40, topic=STATES)
 
         while_running(twin, work)
-    assert list(twin.command(COMMANDS).data) == [3.0] * 4
+    assert list(twin.graph.command(COMMANDS).data) == [3.0] * 4
     assert twin.robot_state("robot_1").base_pose[0] > 0.005
-    with replay(twin.recording()) as again:
+    with replay(twin.recorder.recording()) as again:
         assert again.state_sha256() == twin.state_sha256()
 
 

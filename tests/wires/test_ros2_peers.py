@@ -102,15 +102,15 @@ def test_500_of_500_commands_are_applied_and_replayed(twin, client):
             publisher.publish(**array(*[number / 100] * 4))
         return lists.call(structure_needs_at_least_one_member=0)
 
-    twin.record()
+    twin.recorder.begin()
     assert while_running(twin, command) is not None
     twin.advance_to(twin.time + 0.5)
-    calls = [call for call in twin.recording().calls if call.name == "publish"]
+    calls = [call for call in twin.recorder.recording().calls if call.name == "publish"]
     assert [float(call.arguments[1].data[0]) if call.arguments else call.named["data"].data[0] for call in calls] == [
         number / 100 for number in range(500)
     ]
-    assert list(twin.command(COMMANDS).data) == [4.99] * 4
-    with replay(twin.recording()) as again:
+    assert list(twin.graph.command(COMMANDS).data) == [4.99] * 4
+    with replay(twin.recorder.recording()) as again:
         assert again.state_sha256() == twin.state_sha256()
 
 
@@ -139,19 +139,19 @@ def test_services_answer_while_the_twin_runs_and_while_it_is_paused(twin, client
     running, paused = while_running(twin, use)
     assert running == {"joint_state_broadcaster": "active", "forward_velocity_controller": "active"}
     assert paused == {"joint_state_broadcaster": "active", "forward_velocity_controller": "inactive"}
-    assert twin.paused
+    assert twin.clock.paused
 
 
 def test_robot_description_as_a_parameter(twin, client):
     get = client.service("/robot_1/robot_state_publisher/get_parameters", "rcl_interfaces/srv/GetParameters")
     values = while_running(twin, lambda: get.call(names=["robot_description", "use_sim_time"])).values
-    assert values[0].string_value == twin.plans[0].description.text
+    assert values[0].string_value == twin.built.plans[0].description.text
     assert values[1].bool_value is True
 
 
 def test_topics_on_the_graph(twin, client):
     topics = while_running(twin, client.topics)
-    expected = {name: [kind] for name, kind in twin.topics().items()}
+    expected = {name: [kind] for name, kind in twin.graph.topics().items()}
     assert {name: topics.get(name) for name in expected} == expected
     hidden = {name for name in topics if "/_action/" in name}
     assert topics.keys() - expected.keys() == hidden
@@ -229,7 +229,7 @@ def test_nodes_of_each_robot_come_and_go_with_their_controllers(twin, port):
     simulators = {("%", "drake_twin"), ("%", "gazebo"), ("%", "robot_state_publisher")}
     nodes = {tuple(text.split("/")[7:9]) for text in graph() if "/NN/" in text}
     assert nodes == simulators | {(f"%{robot}", name) for robot in ("robot_1", "robot_2") for name in own}
-    manager, parameters = twin.controller_manager("robot_1"), "/%robot_1%joint_state_broadcaster%get_parameters/"
+    manager, parameters = twin.control.manager("robot_1"), "/%robot_1%joint_state_broadcaster%get_parameters/"
     assert parameters in str(graph())
     manager.switch_controller(deactivate=["joint_state_broadcaster"])
     manager.unload_controller("joint_state_broadcaster")

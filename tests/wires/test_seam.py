@@ -14,8 +14,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from drake_twin import InputError, Robot, messages
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
+from drake_twin.messages.draft import Drafter
 from drake_twin.messages.interface_types import make, serialize
-from drake_twin.systems.draft import Drafter
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
 from drake_twin.twin.replay import replay
 from drake_twin.wires.seam import Seam
@@ -95,13 +95,13 @@ def test_all_wires_get_the_same_bytes_which_are_made_once(monkeypatch):
 
 def test_a_command_takes_effect_at_a_step_and_its_replay_ends_in_the_same_state(wired):
     twin, wire, _ = wired
-    twin.record()
+    twin.recorder.begin()
     twin.advance_to(0.0073)
     wire.listeners[COMMANDS].call(command(3.0, 3.0, 3.0, 3.0))
     twin.advance_to(0.5)
     assert twin.robot_state("robot_1").velocities[0] > 1.0
     assert twin.robot_state("robot_2").velocities[0] == pytest.approx(0.0, abs=1e-6)
-    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+    assert replay(twin.recorder.recording()).state_sha256() == twin.state_sha256()
 
 
 def test_wires_that_nobody_uses_change_no_bit(wired):
@@ -118,8 +118,8 @@ def test_wires_that_nobody_uses_change_no_bit(wired):
 def test_a_command_from_another_thread_is_done_in_the_thread_that_advances(wired):
     twin, wire, _ = wired
     threads = []
-    publish = twin._topics.publish
-    twin._topics.publish = lambda *arguments: (threads.append(threading.current_thread()), publish(*arguments))
+    publish = twin.graph.deliver
+    twin.graph.deliver = lambda *arguments: (threads.append(threading.current_thread()), publish(*arguments))
     other = threading.Thread(target=lambda: wire.listeners[COMMANDS].call(command(1, 1, 1, 1)))
     other.start()
     other.join()
@@ -130,13 +130,13 @@ def test_a_command_from_another_thread_is_done_in_the_thread_that_advances(wired
 
 def test_a_spawn_brings_topics_and_a_delete_takes_them_off(wired):
     twin, wire, _ = wired
-    twin.spawn(Robot("new", ROVER, xyz=(-3.0, 0.0, 0.13)))
+    twin.entities.spawn(Robot("new", ROVER, xyz=(-3.0, 0.0, 0.13)))
     twin.advance_to(0.01)
     assert "/new/joint_states" in wire.senders
     assert not wire.listeners["/new/forward_velocity_controller/commands"].is_closed
     sent = wire.hear("/new/joint_states")
     twin.advance_to(0.1)
-    twin.delete("new")
+    twin.entities.delete("new")
     twin.advance_to(0.2)
     assert wire.senders["/new/joint_states"].is_closed
     assert wire.listeners["/new/forward_velocity_controller/commands"].is_closed
@@ -163,7 +163,7 @@ def test_bytes_that_are_no_message_are_refused(wired, caplog):
     for data in (b"", b"\0", good[:11], lies, bytes(1 << 21)):
         wire.listeners[COMMANDS].call(data)
     twin.advance_to(0.05)
-    assert twin.command(COMMANDS) is None
+    assert twin.graph.command(COMMANDS) is None
     assert all(COMMANDS in line for line in caplog.messages)
     assert len(caplog.messages) == 2  # too large, and what cannot be decoded: one line a cause
 
@@ -186,7 +186,7 @@ def test_an_inbox_that_is_full_keeps_stops_and_the_newest_of_each_topic(wired):
     twin, wire, _ = wired
     other = "/robot_2/forward_velocity_controller/commands"
     published = []
-    twin._topics.publish = lambda topic, message: published.append((topic, tuple(message.data)))
+    twin.graph.deliver = lambda topic, message: published.append((topic, tuple(message.data)))
     wire.listeners[other].call(command(7, 7, 7, 7))
     wire.listeners[COMMANDS].call(command(0, 0, 0, 0))
     for index in range(3000):
@@ -283,9 +283,9 @@ def test_an_answer_that_takes_longer_is_not_lost_when_it_fails_or_finds_no_room(
 
 def test_endpoints_name_the_nodes_that_a_ros_user_looks_for():
     twin = rovers(1).robot("arm", ARM, xyz=(0, -3, 0)).build()
-    nodes = {(item.kind, item.name): item.node for item in twin.endpoints}
+    nodes = {(item.kind, item.name): item.node for item in twin.graph.endpoints}
     assert nodes["published", STATES] == "/robot_1/joint_state_broadcaster"
     assert nodes["published", "/robot_1/robot_description"] == "/robot_1/robot_state_publisher"
     assert nodes["commanded", COMMANDS] == "/robot_1/forward_velocity_controller"
     assert nodes["published", "/clock"] == "/drake_twin"
-    assert twin.endpoints is twin.endpoints
+    assert twin.graph.endpoints is twin.graph.endpoints

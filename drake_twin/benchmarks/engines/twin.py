@@ -27,7 +27,7 @@ class TwinEngine:
         self._topics = [f"/{robot}/forward_velocity_controller/commands" for robot in self.twin.robots]
         self._joints = [
             [claim.joint for claim in next(item.claims for item in plan.controllers if item.claims)]
-            for plan in self.twin.plans
+            for plan in self.twin.built.plans
         ]
 
     def __del__(self) -> None:

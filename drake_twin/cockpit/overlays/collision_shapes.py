@@ -30,6 +30,6 @@ class CollisionShapes(BodyShapes):
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:
-    for item in twin.collision_shapes:
+    for item in twin.built.shapes:
         if not isinstance(item.shape, HalfSpace):
             yield BodyShape(item.body, item.X_BG, item.shape, _COLORS[item.touches])

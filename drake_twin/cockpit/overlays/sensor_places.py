@@ -23,7 +23,7 @@ class SensorPlaces:
     def __init__(self, scene: Scene, twin: Twin):
         self._scene, self._twin = scene, twin
         self._drawn: list[tuple[str, str, str]] = []
-        for owner, item in twin.sensors:
+        for owner, item in twin.entities.sensors:
             if (ends := lines_of(item)) is not None:
                 path = f"{OVERLAYS}/sensors/{len(self._drawn)}"
                 scene.set_lines(path, ends, _COLOR)

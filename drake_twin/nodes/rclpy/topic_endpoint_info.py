@@ -87,7 +87,7 @@ class GraphQueries:
     def _is_latched(self, topic: str, node: str) -> bool:
         """Return whether late subscribers of a topic get a node's last messages."""
         graph = self._graph
-        twins = any(item.latched for item in graph.twin.endpoints if item.name == topic and item.node == node)
+        twins = any(item.latched for item in graph.twin.graph.endpoints if item.name == topic and item.node == node)
         return twins or any(item.depth for item in graph.publications.get(topic, ()) if item.node == node)
 
     def _offers(self) -> list[tuple[str, str, str]]:

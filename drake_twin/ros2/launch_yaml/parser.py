@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.findings import Place
 from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.launch_description import LaunchDescription
@@ -10,6 +10,7 @@ from drake_twin.ros2.launch.launch_description_sources.frontend_launch_file_util
     parse_description,
     read_launch_file,
 )
+from drake_twin.typed_data import ValuePath
 
 __all__: list[str] = []  # launch files find nothing of ROS's here
 

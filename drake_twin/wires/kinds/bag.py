@@ -47,7 +47,7 @@ class BagKind(WireKind):
 
     def connected(self, options: argparse.Namespace, twin: "Twin") -> None:
         """Warn of topics that nobody publishes."""
-        there = twin.topics()
+        there = twin.graph.topics()
         for topic in options.bag_topic or ():
             if topic not in there:
                 missing = InputError(f"--bag-topic: nothing is published on {topic!r} yet", value=topic, valid=there)

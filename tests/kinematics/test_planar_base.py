@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from drake_twin.description.robot_description import Pose
-from drake_twin.systems.planar_base import PlanarBase
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.planar_base import PlanarBase
+from drake_twin.kinematics.state_layout import StateLayout
 
 # The state of another joint, then the slides x, y, z and the turn; their velocities likewise.
 START = Pose((1.0, 2.0, 3.0), (0.0, 0.0, np.pi / 2))

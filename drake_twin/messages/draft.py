@@ -8,50 +8,11 @@ from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context
 
 from drake_twin.messages.interface_types import serialize
 
-_CONSTANTS = np.array([np.nan, 0.0])
 _HEADER = 4  # bytes before the payload, in which numbers are aligned
 _TIMES = 1234567890.123456789, 987654321.987654321  # s; not found in a message by chance
-
-
-class Reading:
-    """The numbers of a plant at the time of a context, read when asked for, which must be before the context changes.
-
-    Args:
-        plant: The plant.
-        root_context: The root diagram's context.
-
-    Attributes:
-        root_context: The root diagram's context.
-        time: Its time (s).
-    """
-
-    def __init__(self, plant: MultibodyPlant, root_context: Context):
-        self._plant = plant
-        self.root_context = root_context
-        self.time: float = root_context.get_time()
-
-    @cached_property
-    def state(self) -> np.ndarray:
-        """The plant's ``[q; v]``, shape (n,)."""
-        context = self._plant.GetMyContextFromRoot(self.root_context)
-        return np.array(self._plant.GetPositionsAndVelocities(context))
-
-    @cached_property
-    def with_efforts(self) -> np.ndarray:
-        """``[q; v]``, the efforts of all actuators (N·m or N), NaN and 0; shape (n + m + 2,)."""
-        context = self._plant.GetMyContextFromRoot(self.root_context)
-        efforts = self._plant.get_net_actuation_output_port().Eval(context)
-        return np.concatenate((self.state, efforts, _CONSTANTS))
-
-    @cached_property
-    def without_efforts(self) -> np.ndarray:
-        """The same with NaN for all efforts: after a command they take as long as a step."""
-        return np.concatenate((self.state, np.full(self._plant.num_actuators(), np.nan), _CONSTANTS))
 
 
 class Draft(Protocol):
@@ -91,7 +52,7 @@ class Drafter:
     """Drafts a topic's messages, which differ from each other in their stamp and in numbers only.
 
     Args:
-        read: Reads what the numbers follow from.
+        read: Reads what the numbers follow from, of a reading, which has a ``time`` (s).
         numbers: Returns them, shape (n,), from what was read; in any thread.
         make: Makes a message of a time (s) and the numbers; it puts each into places of type float64, unchanged.
         size: The number of numbers, n.
@@ -99,7 +60,7 @@ class Drafter:
 
     def __init__(
         self,
-        read: Callable[[Reading], np.ndarray],
+        read: Callable[[Any], np.ndarray],
         numbers: Callable[[np.ndarray], np.ndarray],
         make: Callable[[float, np.ndarray], Any],
         size: int,
@@ -109,7 +70,7 @@ class Drafter:
         self.make = make
         self._size = size
 
-    def __call__(self, reading: Reading) -> Draft:
+    def __call__(self, reading: Any) -> Draft:
         """Draft a message."""
         return _NumbersDraft(self, reading.time, self._read(reading))
 

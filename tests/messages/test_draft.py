@@ -5,16 +5,16 @@ import pytest
 from conftest import ARM, ROVER, rovers
 
 from drake_twin import TwinBuilder
+from drake_twin.messages.draft import Drafter
 from drake_twin.messages.interface_types import serialize
-from drake_twin.systems.draft import Drafter
 
 
 def drafted(twin):
     """The topics that are drafted, with the bytes of the draft and of the port, and the two messages."""
-    reading = twin._topics.read()
+    reading = twin.graph.read()
     for name, item in twin._session.built.published.items():
         if item.drafter is not None and (whole := twin.latest(name)) is not None:
-            draft = twin._topics.draft(name, reading)
+            draft = twin.graph.draft(name, reading)
             yield name, draft.serialized(), serialize(whole), draft.message()
 
 
@@ -44,9 +44,9 @@ def test_the_numbers_are_those_of_the_time_of_the_reading():
     twin = rovers(1).build()
     twin.publish("/robot_1/forward_velocity_controller/commands", [3.0] * 4)
     twin.advance_to(0.3)
-    reading = twin._topics.read()
+    reading = twin.graph.read()
     drafts = {
-        name: twin._topics.draft(name, reading) for name, item in twin._session.built.published.items() if item.drafter
+        name: twin.graph.draft(name, reading) for name, item in twin._session.built.published.items() if item.drafter
     }
     whole = {name: serialize(twin.latest(name)) for name in drafts}
     twin.advance_to(0.4)

@@ -1,21 +1,26 @@
-"""What is published to a twin and what it publishes: topics, actions and their callbacks."""
+"""What is published to a twin and what it publishes, as a node of the ROS graph: topics, actions, their callbacks."""
 
 import logging
 from collections.abc import Callable
 from math import ceil
 from typing import Any
 
-from pydrake.systems.framework import Context, OutputPort
+from pydrake.systems.framework import Context, Diagram, OutputPort
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages import Numbers, float64_multi_array, message
-from drake_twin.systems.draft import Draft, LaterDraft, Reading
+from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.systems.no_message import or_none
+from drake_twin.systems.plant_reading import Reading
 from drake_twin.twin.action import ActionGoal
+from drake_twin.twin.endpoints import Endpoint, endpoints_of
+from drake_twin.twin.group import Group
+from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
+from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.subscriptions import Subscription
 from drake_twin.values import is_number
 
@@ -23,16 +28,35 @@ _log = logging.getLogger(__name__)
 _FREE = (-float("inf"), float("inf"))
 
 
-class Topics:
-    """The topics and actions of a session.
+class Graph(Group):
+    """Topics and actions; `Twin.graph`."""
 
-    Args:
-        session: The session.
-    """
-
-    def __init__(self, session: Session):
-        self._session = session
+    def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
+        super().__init__(session, stepper, recorder)
         self._unheard: set[str] = set()
+        self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
+
+    def topics(self) -> dict[str, str]:
+        """Return topic → ROS message type: what the twin publishes, then what it listens to."""
+        built = self._session.built
+        published = {item.topic: item.type for item in built.published.values()}
+        return published | {item.topic: item.type for item in built.commanded.values()}
+
+    def actions(self) -> dict[str, str]:
+        """Return action → ROS action type."""
+        return {action: item.type for action, item in self._session.built.actions.items()}
+
+    @property
+    def endpoints(self) -> tuple[Endpoint, ...]:
+        """The topics out and in and the actions, each with its node, robot and controller.
+
+        The same tuple is returned until a spawn, a delete or a restored state changes them.
+        """
+        built, (diagram, known) = self._session.built, self._endpoints
+        if diagram is not built.diagram:
+            new = endpoints_of(built)
+            self._endpoints = built.diagram, known if new == known else new
+        return self._endpoints[1]
 
     def command_topic(self, topic: Any) -> CommandTopic:
         """Return a topic that a controller listens to.
@@ -63,14 +87,8 @@ class Topics:
             raise InputError(f"nothing is published on {topic!r}", value=str(topic), valid=published)
         return published[topic]
 
-    def types(self) -> dict[str, str]:
-        """Return topic → ROS message type: the published topics, then those that controllers listen to."""
-        built = self._session.built
-        published = {item.topic: item.type for item in built.published.values()}
-        return published | {item.topic: item.type for item in built.commanded.values()}
-
-    def publish(self, topic: Any, data: Any) -> None:
-        """Publish a command; see `Twin.publish`."""
+    def deliver(self, topic: Any, data: Any) -> None:
+        """Publish a command that is not recorded, such as a timed one; see `Twin.publish`."""
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
@@ -119,14 +137,22 @@ class Topics:
             raise error.about(topic) from None
 
     def command(self, topic: Any) -> Any:
-        """Return the message published last on a topic; see `Twin.command`."""
+        """Return the message last published on a topic; None before the first, and once it has expired.
+
+        Raises:
+            InputError: If no controller listens to the topic.
+        """
         ports = self._session.built.listeners[self.command_topic(topic).topic]
         values = [value for port in ports if (value := self._session.commands.last(port)) is not None]
         value = values[0] if values else None
         return float64_multi_array(value.data) if isinstance(value, Numbers) else value
 
     def command_limits(self, topic: Any) -> dict[Interface, tuple[float, float]]:
-        """Return the limits of a command's numbers; see `Twin.command_limits`."""
+        """Return the interfaces that a command's numbers drive, in order, with their limits; empty for other messages.
+
+        Raises:
+            InputError: If no controller listens to the topic.
+        """
         item = self.command_topic(topic)
         if item.type != "std_msgs/msg/Float64MultiArray":
             return {}
@@ -137,8 +163,28 @@ class Topics:
             for claim in claims
         }
 
-    def send_goal(self, action: Any, goal: Any, on_result: Callable[[ActionGoal], None] | None) -> ActionGoal:
-        """Send a goal to an action; see `Twin.send_goal`."""
+    @recorded("silence")
+    def silence(self, topic: str) -> None:
+        """Drop the scenario's own timed commands on a topic until the next reset.
+
+        Raises:
+            InputError: If no controller listens to the topic.
+        """
+        self._session.commands.silenced.add(self.command_topic(topic).topic)
+
+    @recorded("send_goal")
+    def send_goal(self, action: str, goal: Any, on_result: Callable[[ActionGoal], None] | None = None) -> ActionGoal:
+        """Send a goal to an action; the controller accepts it at its next update.
+
+        Args:
+            action: For example ``/robot_1/joint_trajectory_controller/follow_joint_trajectory``.
+            goal: The action's goal message, or its fields as a mapping.
+            on_result: Called with the goal when it ends, at that very simulation time.
+
+        Raises:
+            InputError: If the action is unknown.
+            CommandError: If the goal is rejected.
+        """
         session = self._session
         if not isinstance(action, str) or action not in session.built.actions:
             raise InputError(f"unknown action {action!r}", value=str(action), valid=session.built.actions)
@@ -186,6 +232,10 @@ class Topics:
 
         return end
 
+    def subscribe_drafts(self, topic: str, callback: Callable[[Draft], None]) -> Callable[[], None]:
+        """Call back with drafts of a topic's messages, which any thread may make; otherwise like `Twin.subscribe`."""
+        return self.subscribe(topic, callback, None, drafts=True)
+
     def latest(self, topic: Any) -> Any:
         """Return a topic's message at the present time; see `Twin.latest`."""
         built = self._session.built
@@ -210,7 +260,7 @@ class Topics:
         if item is None or (item.controller and not self._is_published(item)):
             return None
         if item.drafter is None:
-            message = self.evaluate(item.port, reading.root_context)
+            message = self._evaluate(item.port, reading.root_context)
             return None if message is None else LaterDraft(lambda: message)
         try:
             draft = item.drafter(reading)
@@ -220,19 +270,25 @@ class Topics:
             return draft
         return LaterDraft(lambda: draft.message() if topic in self._session.built.published else None)
 
-    def evaluate(self, port: OutputPort, context: Context) -> Any:
-        """Evaluate an output port.
+    def evaluate(self, port: OutputPort) -> Any:
+        """Return the value of an output port of `Twin.diagram` or of its plant, at the present time.
 
         Raises:
-            RunError: If it needs the step to come, and Drake cannot solve it.
+            RunError: If it needs the step to come (efforts, accelerations, contacts), and Drake cannot solve it.
         """
+        physics = self._session.physics
+        return self._evaluate(
+            port, physics.plant_context if port.get_system() is physics.built.plant else physics.context
+        )
+
+    def _evaluate(self, port: OutputPort, context: Context) -> Any:
         try:
             return or_none(port.Eval(context))
         except (RuntimeError, SystemExit) as error:
             raise self._session.failure(error) from error
 
     def _message(self, item: PublishedTopic) -> Any:
-        return self.evaluate(item.port, self._session.physics.context) if self._is_published(item) else None
+        return self._evaluate(item.port, self._session.physics.context) if self._is_published(item) else None
 
     def _is_published(self, item: PublishedTopic) -> bool:
         return not item.controller or self._session.controls[item.robot].manager.is_active(item.controller)

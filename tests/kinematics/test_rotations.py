@@ -1,7 +1,7 @@
 import numpy as np
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from drake_twin.systems.rotations import along_heading, heading_of, quaternion_from_rpy, quaternion_product, rotated
+from drake_twin.kinematics.rotations import along_heading, heading_of, quaternion_from_rpy, quaternion_product, rotated
 
 RNG = np.random.default_rng(1)
 RPY = RNG.uniform(-np.pi, np.pi, (50, 3))

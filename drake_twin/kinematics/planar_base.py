@@ -7,7 +7,7 @@ from math import cos, sin
 import numpy as np
 
 from drake_twin.description.robot_description import Pose
-from drake_twin.systems.rotations import quaternion_from_rpy
+from drake_twin.kinematics.rotations import quaternion_from_rpy
 
 
 @dataclass(frozen=True)

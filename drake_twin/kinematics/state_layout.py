@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drake_twin.systems.planar_base import PlanarBase
+from drake_twin.kinematics.planar_base import PlanarBase
 
 
 @dataclass(frozen=True)

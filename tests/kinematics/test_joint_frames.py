@@ -8,7 +8,7 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from drake_twin.description.robot_description import Joint, Pose
-from drake_twin.systems.joint_frames import JointFrames
+from drake_twin.kinematics.joint_frames import JointFrames
 
 numbers = st.floats(-3, 3)
 triples = st.tuples(numbers, numbers, numbers)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drake_twin.description.robot_description import Joint
-from drake_twin.systems.rotations import quaternion_from_rpy, quaternion_product, rotated
+from drake_twin.kinematics.rotations import quaternion_from_rpy, quaternion_product, rotated
 
 
 class JointFrames:

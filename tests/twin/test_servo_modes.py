@@ -5,7 +5,8 @@ from math import inf, nan
 
 import pytest
 
-from drake_twin.diagram.servo_modes import (
+from drake_twin.systems.joint_servo import ServoAssignment
+from drake_twin.twin.servo_modes import (
     DrivenJoint,
     JointMotion,
     check_period,
@@ -13,7 +14,6 @@ from drake_twin.diagram.servo_modes import (
     released,
     without_commands,
 )
-from drake_twin.systems.joint_servo import ServoAssignment
 
 JOINT = DrivenJoint(stiffness=10.0, time_constant=0.2, yields=0.5, lower=-1.0, upper=1.0, velocity_limit=2.0)
 VELOCITY_CLAIMED = ServoAssignment(("hold",), (0.3,), (-1,), (0,), (-1,))

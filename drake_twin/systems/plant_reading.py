@@ -1,0 +1,45 @@
+"""The numbers of a plant that drafts of messages are made of."""
+
+from functools import cached_property
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context
+
+_CONSTANTS = np.array([np.nan, 0.0])
+
+
+class Reading:
+    """The numbers of a plant at the time of a context, read when asked for, which must be before the context changes.
+
+    Args:
+        plant: The plant.
+        root_context: The root diagram's context.
+
+    Attributes:
+        root_context: The root diagram's context.
+        time: Its time (s).
+    """
+
+    def __init__(self, plant: MultibodyPlant, root_context: Context):
+        self._plant = plant
+        self.root_context = root_context
+        self.time: float = root_context.get_time()
+
+    @cached_property
+    def state(self) -> np.ndarray:
+        """The plant's ``[q; v]``, shape (n,)."""
+        context = self._plant.GetMyContextFromRoot(self.root_context)
+        return np.array(self._plant.GetPositionsAndVelocities(context))
+
+    @cached_property
+    def with_efforts(self) -> np.ndarray:
+        """``[q; v]``, the efforts of all actuators (N·m or N), NaN and 0; shape (n + m + 2,)."""
+        context = self._plant.GetMyContextFromRoot(self.root_context)
+        efforts = self._plant.get_net_actuation_output_port().Eval(context)
+        return np.concatenate((self.state, efforts, _CONSTANTS))
+
+    @cached_property
+    def without_efforts(self) -> np.ndarray:
+        """The same with NaN for all efforts: after a command they take as long as a step."""
+        return np.concatenate((self.state, np.full(self._plant.num_actuators(), np.nan), _CONSTANTS))
