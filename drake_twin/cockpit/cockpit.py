@@ -311,7 +311,7 @@ class Cockpit:
     def _show(self, name: str, on: bool) -> None:
         known = overlay_kinds()
         if name not in known:
-            raise InputError(f"unknown overlay {name!r}", value=name, valid=known)
+            raise known.unknown(name)
         if on and name not in self._overlays:
             self._overlays[name] = known[name].type(self._scene, self._twin)
         elif not on and name in self._overlays:

@@ -1,16 +1,12 @@
 """Sections that other packages add to the page: a Python class beside the twin, and a script in the browser."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from drake_twin.cockpit.extensions import load_extensions, register
+from drake_twin.cockpit.extensions import PageRegistry
 from drake_twin.twin.twin import Twin
-
-# Name → module; panels of others follow.
-_OWN = {"world": "world_panel", "spawn": "spawn_panel", "topics": "topics_panel"}
 
 
 class Panel(Protocol):
@@ -50,7 +46,7 @@ class PanelKind:
     type: type[Panel]
 
 
-_kinds: dict[str, PanelKind] = {}
+KINDS: PageRegistry[PanelKind] = PageRegistry("panel", "drake_twin.cockpit", ["world_panel"])
 
 
 def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
@@ -64,19 +60,16 @@ def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
             panel's element as ``node``, and a method ``state(data)``.
 
     Raises:
-        ValueError: If the name is not an identifier, or belongs to another class.
+        InputError: If the name is not an identifier, or belongs to another class.
     """
 
     def register_type(kind: _T) -> _T:
-        register(_kinds, PanelKind(name, Path(script), kind))
+        KINDS.add(name, PanelKind(name, Path(script), kind), kind)
         return kind
 
     return register_type
 
 
-def panel_kinds() -> Mapping[str, PanelKind]:
+def panel_kinds() -> PageRegistry[PanelKind]:
     """Return the registered panels by name, those of other packages included."""
-    for module in _OWN.values():
-        import_module(f"drake_twin.cockpit.{module}")
-    load_extensions()
-    return {name: _kinds[name] for name in (*_OWN, *_kinds)}
+    return KINDS
