@@ -84,7 +84,7 @@ class Cockpit:
         self._panels: dict[str, Panel] = {}
         for name, panel in panel_kinds().items():
             self._panels[name] = panel.type(twin)
-            server.offer(f"panel_{name}.js", panel.script.read_bytes())
+            server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         self.sensors = SensorView(twin, scene, server.send_bytes)
         self._timeline = Timeline(twin, scene)

@@ -37,12 +37,12 @@ class PanelKind:
 
     Attributes:
         name: Its name in requests.
-        script: Its JavaScript file.
+        script: Its JavaScript.
         type: The class of its Python half.
     """
 
     name: str
-    script: Path
+    script: bytes
     type: type[Panel]
 
 
@@ -56,15 +56,18 @@ def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
 
     Args:
         name: An identifier, unique among the panels.
-        script: A JavaScript module. Its default export is a class that is made with a function ``ask(data)``, has the
-            panel's element as ``node``, and a method ``state(data)``.
+        script: A JavaScript module, as a file or as text of several lines. Its default export is a class that is made
+            with a function ``ask(data)``, has the panel's element as ``node``, and a method ``state(data)``.
 
     Raises:
         InputError: If the name is not an identifier, or belongs to another class.
+        OSError: If the script cannot be read.
     """
 
     def register_type(kind: _T) -> _T:
-        KINDS.add(name, PanelKind(name, Path(script), kind), kind)
+        is_text = isinstance(script, str) and "\n" in script
+        text = str(script).encode() if is_text else Path(script).read_bytes()
+        KINDS.add(name, PanelKind(name, text, kind), kind)
         return kind
 
     return register_type

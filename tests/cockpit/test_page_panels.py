@@ -107,9 +107,9 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
 
 def test_two_parts_of_one_name_are_refused(own_parts):
     with pytest.raises(InputError, match=r"overlay 'frames' is registered by drake_twin\.cockpit\.\S+ and by"):
-        overlay("frames", "Frames")(Scene)
+        overlay("frames", "Frames")(FakePage)
     with pytest.raises(InputError, match="'my overlay' cannot name a part of the page"):
-        overlay("my overlay", "Mine")(Scene)
+        overlay("my overlay", "Mine")(FakePage)
 
 
 @pytest.fixture

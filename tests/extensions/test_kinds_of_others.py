@@ -1,4 +1,4 @@
-"""Controllers and sensors that are no part of drake_twin: each is one file, found in four ways."""
+"""Controllers and sensors that are no part of drake_twin: each is one file, imported or named by ``--plugin``."""
 
 import json
 import re
@@ -120,41 +120,18 @@ def final_position(folder):
     return robot["positions"][robot["joints"].index("j")]
 
 
-def installed(folder, group, module):
-    """A folder with a package whose entry point names a module."""
-    info = folder / "site" / "others_pkg-1.0.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others_pkg\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(f"[drake_twin.{group}]\nmine = {module}\n")
-    return folder / "site"
-
-
-@pytest.mark.parametrize("how", ["module", "file", "entry point"])
+@pytest.mark.parametrize("how", ["module", "file"])
 def test_the_command_line_finds_it(files, how):
     (files / "scenario.yaml").write_text("robots:\n- {name: arm, model: arm.urdf, controllers: [controllers.yaml]}\n")
     more, path = [], [FOLDER]
     if how == "module":
         more = ["--plugin", "wave_controller"]
-    elif how == "file":
-        more, path = ["--plugin", FOLDER / "wave_controller.py"], []
     else:
-        path = [FOLDER, installed(files, "controllers", "wave_controller")]
+        more, path = ["--plugin", FOLDER / "wave_controller.py"], []
     result = run(files / "scenario.yaml", *more, folder=files, path=path)
     assert result.returncode == 0, result.stderr
     assert "not supported" not in result.stderr
     swings(final_position(files))
-
-
-def test_a_wire_of_others_has_its_options_on_the_command_line_and_gets_every_message(files):
-    path = [FOLDER, installed(files, "wires", "lines_wire")]
-    result = run("--robots", "1", "--lines", files / "lines.txt", folder=files, path=path)
-    assert result.returncode == 0, result.stderr
-    lines = [line.split() for line in (files / "lines.txt").read_text().splitlines()]
-    clock = [float(time) for time, topic, _ in lines if topic == "/clock"]
-    assert clock == pytest.approx([index / 100 for index in range(50)])
-    assert {size for _, topic, size in lines if topic == "/clock"} == {"12"}  # CDR: 4 of a header, sec, nanosec
-    assert run("--help", folder=files, path=path).stdout.count("--lines FILE") == 2
-    assert "--lines" not in run("--help", folder=files).stdout
 
 
 def test_without_it_the_type_is_said_to_be_unknown(files):
