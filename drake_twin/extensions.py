@@ -186,7 +186,7 @@ def load_extensions(group: str, failed: Callable[[str], None] | None = None) -> 
 def entry_points_of(group: str) -> "Sequence[EntryPoint]":
     """Return the entry points of a group that installed packages name.
 
-    Importing importlib.metadata takes 40 ms of each start, the search before it 1 ms, and most often there is none.
+    Importing importlib.metadata takes 40 ms of each start, the search before it 1 ms, and most often finds nothing.
     """
     if group not in _named_groups():
         return ()

@@ -30,6 +30,21 @@ ROW = '<launch><row file="$(dirname)/stone.urdf" count="3" gap="2.0"/></launch>'
 HALF = """<launch><node pkg="ros_gz_sim" exec="create"
 args="-name stone -file $(dirname)/stone.urdf -x $(half 3) -z 50"/></launch>"""
 
+ASKER = """
+import rclpy
+from std_srvs.srv import Trigger
+
+rclpy.init()
+node = rclpy.create_node("asker")
+for name in ("/highest_robot", "/high/altimeter/height"):
+    client = node.create_client(Trigger, name)
+    found = client.wait_for_service(timeout_sec=0.1)
+    future = client.call_async(Trigger.Request())
+    if found:
+        rclpy.spin_until_future_complete(node, future)
+    print(name, future.result().message if found else "is not there")
+"""
+
 
 class Packages:
     """A folder of installed packages, and the programs that find them."""
@@ -161,6 +176,24 @@ def test_a_panel(packages):
         finally:
             program.terminate()
             program.communicate()
+
+
+def test_services(packages):
+    packages.write("stone.urdf", STONE.format(mass=1, more=""))
+    robots = ", ".join(
+        f"{{name: {name}, model: stone.urdf, xyz: [0, 0, {z}]}}" for name, z in (("low", 1), ("high", 50))
+    )
+    command = (
+        packages.write("two.yaml", f"robots: [{robots}]"),
+        "--node",
+        packages.write("asker.py", ASKER),
+        "--headless",
+    )
+    printed = packages.run(*command, "--duration", "0.5").stdout
+    assert "/highest_robot is not there\n/high/altimeter/height is not there\n" in printed
+    packages.install("highest_service", "drake_twin.services")
+    printed = packages.run(*command, "--duration", "0.5").stdout
+    assert "/highest_robot high\n/high/altimeter/height 50\n" in printed
 
 
 def test_a_package_that_cannot_be_imported_is_named_by_whoever_needs_it(packages):
