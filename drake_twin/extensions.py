@@ -36,6 +36,7 @@ class _Entry(Generic[_K]):
     kind: _K
     module: str
     code: str  # its qualified name in the module
+    about: str  # the first line of its documentation
 
     @property
     def is_own(self) -> bool:
@@ -82,7 +83,8 @@ class Registry(Mapping[str, _K]):
         Raises:
             InputError: If other code is registered under the name, and not replaced.
         """
-        entry = _Entry(kind, code.__module__, code.__qualname__)
+        about = (code.__doc__ or "").strip().partition("\n")[0]
+        entry = _Entry(kind, code.__module__, code.__qualname__, about)
         if not entry.is_own:
             self._import_own(name)  # which takes its name, whether or not it was looked up before
         known = self._kinds.get(name, entry)
@@ -97,6 +99,12 @@ class Registry(Mapping[str, _K]):
     def unknown(self, name: str, others: Iterable[str] = ()) -> InputError:
         """Return an error about a name that no kind has, with those there are and others."""
         return InputError(f"unknown {self.noun} {name!r}", value=name, valid=sorted((*self, *others)))
+
+    def described(self) -> Iterator[str]:
+        """Yield a line for each kind: its name, what it is, and the module of one of another package."""
+        for name in self:
+            entry = self._kinds[name]
+            yield ": ".join(filter(None, (name, entry.about))) + ("" if entry.is_own else f" ({entry.module})")
 
     def __getitem__(self, name: str) -> _K:
         if name not in self._kinds:

@@ -1,4 +1,4 @@
-"""A substitution of somebody else's, in one file, as one writes it for ROS: ``$(half NUMBER)``."""
+"""A substitution of somebody else's, in one file, as one writes it for ROS: half of a number."""
 
 from launch import Substitution
 from launch.frontend import expose_substitution
@@ -7,6 +7,8 @@ from launch.utilities import perform_substitutions
 
 @expose_substitution("half")
 class Half(Substitution):
+    """``$(half NUMBER)``."""
+
     def __init__(self, number):
         super().__init__()
         self.number = number

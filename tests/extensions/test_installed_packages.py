@@ -196,6 +196,30 @@ def test_services(packages):
     assert "/highest_robot high\n/high/altimeter/height 50\n" in printed
 
 
+KINDS = {
+    "controllers": ("wave_controller", "  others_pkg/Wave: Writes "),
+    "sensors": ("height_sensor", "  height: Publishes the height of a link's origin above where it started (m). "),
+    "gazebo_plugins": ("spring_plugin", "  libothers_spring.so"),
+    "repairs": ("mass_repair", "  mass_in_grams: Take a mass of more than a ton for one in grams. "),
+    "launch_actions": ("row_action", '  row: ``<row file="FILE" count="3" gap="2.0"/>``'),
+    "substitutions": ("half_substitution", "  half: ``$(half NUMBER)``. "),
+    "services": ("highest_service", "  /highest_robot"),
+    "wires": ("lines_wire", "  lines: ``--lines FILE``. "),
+    "page_panels": ("horn_panel", "  horn"),
+}
+
+
+def test_all_are_listed_with_their_documentation_and_module(packages):
+    for group, (module, _) in KINDS.items():
+        packages.install(module, f"drake_twin.{group}")
+    lines = packages.run("--show-kinds").stdout.splitlines()
+    for group, (module, start) in KINDS.items():
+        assert any(f"(drake_twin.{group}):" in line for line in lines)
+        (line,) = [line for line in lines if line.startswith(start)]
+        assert line.endswith(f"({module})")
+    assert "  imu: Measure orientation, angular velocity and specific force at a point of a link." in lines
+
+
 def test_a_package_that_cannot_be_imported_is_named_by_whoever_needs_it(packages):
     packages.write("stone.urdf", STONE.format(mass=1, more=""))
     packages.install("row_action", "drake_twin.repairs")  # whose imports are there only while launch files run
