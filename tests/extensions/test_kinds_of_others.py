@@ -107,10 +107,9 @@ def test_a_scenario_with_an_added_controller_is_written_and_read(others, files):
         builder.controller("leg", "wave", "others_pkg/Wave")
 
 
-def run(*arguments, folder=None, path=()):
-    program = (
-        f"import sys; sys.path[:0] = {[str(p) for p in path]!r}; from drake_twin.run import main; sys.exit(main())"
-    )
+def run(*arguments, folder=None, path=(), before=""):
+    program = f"import sys; sys.path[:0] = {[str(p) for p in path]!r}; {before}\n"
+    program += "from drake_twin.run import main; sys.exit(main())"
     command = [sys.executable, "-c", program, *map(str, arguments), "--headless", "--duration", "0.5"]
     return subprocess.run([*command, "--summary", folder / "out.json"], capture_output=True, text=True, check=False)
 
@@ -132,6 +131,23 @@ def test_the_command_line_finds_it(files, how):
     assert result.returncode == 0, result.stderr
     assert "not supported" not in result.stderr
     swings(final_position(files))
+
+
+def test_in_the_twin_itself_a_new_wire_and_a_new_substitution_are_one_file_each(files):
+    """The files are put beside the twin's own, and nothing else names them."""
+    for folder in ("wires/kinds", "ros2/launch/substitutions"):
+        (files / folder).mkdir(parents=True)
+    shutil.copy(FOLDER / "lines_wire.py", files / "wires/kinds")
+    shutil.copy(FOLDER / "half_substitution.py", files / "ros2/launch/substitutions")
+    create = 'pkg="ros_gz_sim" exec="create" args="-name arm -file $(dirname)/arm.urdf -x $(half 3)"'
+    (files / "x.launch.xml").write_text(f"<launch><node {create}/></launch>")
+    beside = "import drake_twin.wires.kinds, drake_twin.ros2.launch.substitutions as substitutions;"
+    beside += f"drake_twin.wires.kinds.__path__.append({str(files / 'wires/kinds')!r});"
+    beside += f"substitutions.__path__.append({str(files / 'ros2/launch/substitutions')!r})"
+    result = run(files / "x.launch.xml", "--lines", files / "lines.txt", folder=files, before=beside)
+    assert result.returncode == 0, result.stderr
+    assert " /clock 12" in (files / "lines.txt").read_text()
+    assert "xyz: [1.5, 0.0, 0.0]" in run(files / "x.launch.xml", "--show-scenario", folder=files, before=beside).stdout
 
 
 def test_without_it_the_type_is_said_to_be_unknown(files):
