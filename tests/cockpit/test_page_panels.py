@@ -20,6 +20,7 @@ from drake_twin.cockpit.panel import panel, panel_kinds
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.errors import InputError
 
+PANELS = "drake_twin.page_panels"
 SCRIPT = """
 export default class {
   constructor(ask) {
@@ -117,8 +118,8 @@ def entry_points(monkeypatch):
     """Sets the entry points of the group, and forgets what was loaded."""
 
     def set_(*entries):
-        found = [EntryPoint(name, value, "drake_twin.page_panels") for name, value in entries]
-        monkeypatch.setattr(extensions, "entry_points_of", lambda group: found)
+        found = {PANELS: [EntryPoint(name, value, PANELS) for name, value in entries]}
+        monkeypatch.setattr(extensions, "entry_points_of", lambda group: found.get(group, ()))
         extensions.load_extensions.cache_clear()
 
     yield set_
