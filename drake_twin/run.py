@@ -59,6 +59,11 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     """
     check(options)
     load_plugins(options.plugin)
+    if options.show_kinds:
+        from drake_twin.cli.kinds import kinds_text
+
+        say(kinds_text())
+        return 0
     if options.show_args:
         say(launch_arguments(options))
         return 0

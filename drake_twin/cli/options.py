@@ -43,6 +43,9 @@ def parser() -> ArgumentParser:
     parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, see above")
     add_version(parser)
     add_plugin(parser)
+    parser.add_argument(
+        "--show-kinds", action="store_true", help="print the controllers, sensors, … that there are, and end"
+    )
     _add_robots(parser.add_argument_group("robots"))
     _add_time(parser.add_argument_group("time"))
     _add_sensors(parser.add_argument_group("sensors"))

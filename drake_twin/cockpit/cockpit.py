@@ -84,7 +84,7 @@ class Cockpit:
         self._panels: dict[str, Panel] = {}
         for name, panel in panel_kinds().items():
             self._panels[name] = panel.type(twin)
-            server.offer(f"panel_{name}.js", panel.script.read_bytes())
+            server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         self.sensors = SensorView(twin, scene, server.send_bytes)
         self._timeline = Timeline(twin, scene)
@@ -312,7 +312,7 @@ class Cockpit:
     def _show(self, name: str, on: bool) -> None:
         known = overlay_kinds()
         if name not in known:
-            raise InputError(f"unknown overlay {name!r}", value=name, valid=known)
+            raise known.unknown(name)
         if on and name not in self._overlays:
             self._overlays[name] = known[name].type(self._scene, self._twin)
         elif not on and name in self._overlays:

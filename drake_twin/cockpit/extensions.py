@@ -1,49 +1,34 @@
-"""Overlays and panels of other packages, found by the entry-point group ``drake_twin.page_panels``."""
+"""The registries of what a page can have several of, by the names that the page and the twin exchange."""
 
 import logging
-from functools import cache
-from importlib.metadata import entry_points
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
-ENTRY_POINTS = "drake_twin.page_panels"
+from drake_twin.errors import InputError
+from drake_twin.extensions import Registry
 
-_log = logging.getLogger(__name__)
-
-
-class Kind(Protocol):
-    """What a page can have several of, each registered by name."""
-
-    @property
-    def name(self) -> str:
-        """The name that the page and the twin exchange."""
-
-    @property
-    def type(self) -> type:
-        """The class to make one from."""
+_K = TypeVar("_K")
 
 
-_K = TypeVar("_K", bound=Kind)
+class PageRegistry(Registry[_K]):
+    """Parts of the page; a package that cannot be imported does not keep the page from opening.
 
-
-def register(kinds: dict[str, _K], kind: _K) -> None:
-    """Add a kind to those that are known.
-
-    Raises:
-        ValueError: If the name is not an identifier, or belongs to another class.
+    Args:
+        noun: What a part is called, and its decorator's name.
+        package: The package with the twin's own.
+        first: Those of its modules whose parts come first.
     """
-    if not kind.name.isidentifier():
-        raise ValueError(f"{kind.name!r} cannot name a part of the page: an identifier is needed")
-    known = kinds.get(kind.name, kind).type
-    if (known.__module__, known.__qualname__) != (kind.type.__module__, kind.type.__qualname__):
-        raise ValueError(f"two parts of the page are named {kind.name!r}: {known.__module__}, {kind.type.__module__}")
-    kinds[kind.name] = kind
 
+    def __init__(self, noun: str, package: str, first: Sequence[str]):
+        warn = logging.getLogger(__name__).warning
+        super().__init__(noun, noun, "drake_twin.page_panels", [package], first, failed=warn)
 
-@cache
-def load_extensions() -> None:
-    """Import what other packages add to the page, once; their modules register it as they are imported."""
-    for entry in entry_points(group=ENTRY_POINTS):
-        try:
-            entry.load()
-        except Exception as error:  # a broken package must not keep the page from opening
-            _log.warning("the page panel %s (%s) cannot be loaded: %s", entry.name, entry.value, error)
+    def add(self, name: str, kind: _K, code: Callable[..., Any], *, replace: bool = False) -> None:
+        """Register a part.
+
+        Raises:
+            InputError: If the name is not an identifier, or belongs to other code.
+        """
+        if not name.isidentifier():
+            raise InputError(f"{name!r} cannot name a part of the page: an identifier is needed")
+        super().add(name, kind, code, replace=replace)

@@ -1,22 +1,12 @@
 """What a page can draw besides the robots; an overlay exists while it is shown, so that a hidden one costs nothing."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Protocol, TypeVar
 
-from drake_twin.cockpit.extensions import load_extensions, register
+from drake_twin.cockpit.extensions import PageRegistry
 from drake_twin.cockpit.scene import Scene
 from drake_twin.twin.twin import Twin
-
-# Name → module, in the order of their switches; those of others follow.
-_OWN = {
-    "frames": "frames",
-    "contacts": "contact_forces",
-    "collision": "collision_shapes",
-    "inertia": "inertia",
-    "sensors": "sensor_places",
-}
 
 
 class Overlay(Protocol):
@@ -54,7 +44,9 @@ class OverlayKind:
     type: type[Overlay]
 
 
-_kinds: dict[str, OverlayKind] = {}
+KINDS: PageRegistry[OverlayKind] = PageRegistry(
+    "overlay", "drake_twin.cockpit.overlays", ["frames", "contact_forces", "collision_shapes"]
+)
 
 
 def overlay(name: str, label: str, hint: str = "") -> Callable[[_T], _T]:
@@ -68,19 +60,16 @@ def overlay(name: str, label: str, hint: str = "") -> Callable[[_T], _T]:
         hint: The tooltip of its switch.
 
     Raises:
-        ValueError: If the name is not an identifier, or belongs to another class.
+        InputError: If the name is not an identifier, or belongs to another class.
     """
 
     def register_type(kind: _T) -> _T:
-        register(_kinds, OverlayKind(name, label, hint, kind))
+        KINDS.add(name, OverlayKind(name, label, hint, kind), kind)
         return kind
 
     return register_type
 
 
-def overlay_kinds() -> Mapping[str, OverlayKind]:
+def overlay_kinds() -> PageRegistry[OverlayKind]:
     """Return the registered overlays by name, those of other packages included."""
-    for module in _OWN.values():
-        import_module(f"drake_twin.cockpit.overlays.{module}")
-    load_extensions()
-    return {name: _kinds[name] for name in (*_OWN, *_kinds)}
+    return KINDS

@@ -1,16 +1,12 @@
 """Sections that other packages add to the page: a Python class beside the twin, and a script in the browser."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from drake_twin.cockpit.extensions import load_extensions, register
+from drake_twin.cockpit.extensions import PageRegistry
 from drake_twin.twin.twin import Twin
-
-# Name → module; panels of others follow.
-_OWN = {"world": "world_panel", "spawn": "spawn_panel", "topics": "topics_panel"}
 
 
 class Panel(Protocol):
@@ -41,16 +37,16 @@ class PanelKind:
 
     Attributes:
         name: Its name in requests.
-        script: Its JavaScript file.
+        script: Its JavaScript.
         type: The class of its Python half.
     """
 
     name: str
-    script: Path
+    script: bytes
     type: type[Panel]
 
 
-_kinds: dict[str, PanelKind] = {}
+KINDS: PageRegistry[PanelKind] = PageRegistry("panel", "drake_twin.cockpit", ["world_panel"])
 
 
 def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
@@ -60,23 +56,23 @@ def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
 
     Args:
         name: An identifier, unique among the panels.
-        script: A JavaScript module. Its default export is a class that is made with a function ``ask(data)``, has the
-            panel's element as ``node``, and a method ``state(data)``.
+        script: A JavaScript module, as a file or as text of several lines. Its default export is a class that is made
+            with a function ``ask(data)``, has the panel's element as ``node``, and a method ``state(data)``.
 
     Raises:
-        ValueError: If the name is not an identifier, or belongs to another class.
+        InputError: If the name is not an identifier, or belongs to another class.
+        OSError: If the script cannot be read.
     """
 
     def register_type(kind: _T) -> _T:
-        register(_kinds, PanelKind(name, Path(script), kind))
+        is_text = isinstance(script, str) and "\n" in script
+        text = str(script).encode() if is_text else Path(script).read_bytes()
+        KINDS.add(name, PanelKind(name, text, kind), kind)
         return kind
 
     return register_type
 
 
-def panel_kinds() -> Mapping[str, PanelKind]:
+def panel_kinds() -> PageRegistry[PanelKind]:
     """Return the registered panels by name, those of other packages included."""
-    for module in _OWN.values():
-        import_module(f"drake_twin.cockpit.{module}")
-    load_extensions()
-    return {name: _kinds[name] for name in (*_OWN, *_kinds)}
+    return KINDS

@@ -25,6 +25,7 @@ from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, ros_topic
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
+from drake_twin.extensions import Registry
 
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
 
@@ -174,8 +175,10 @@ def of_model(topic: str, model: str) -> str:
 
 Convert: TypeAlias = Callable[[DrivePlugin], GazeboDrive]
 
-# Kind of plugin, as `plugin_kind` names it → the function that converts it.
-GAZEBO_PLUGINS: dict[str, Convert] = {}
+# By the kind of plugin, as `plugin_kind` names it.
+GAZEBO_PLUGINS: Registry[Convert] = Registry(
+    "Gazebo plugin", "gazebo_plugin", "drake_twin.gazebo_plugins", ["drake_twin.description.plugins"]
+)
 
 
 def gazebo_plugin(*names: str) -> Callable[[Convert], Convert]:
@@ -188,14 +191,12 @@ def gazebo_plugin(*names: str) -> Callable[[Convert], Convert]:
             without ``lib``, ``.so`` and gz's version where the library is Gazebo's own.
 
     Raises:
-        ValueError: If another function converts a plugin of the name.
+        InputError: If another function converts a plugin of the name.
     """
 
     def register(function: Convert) -> Convert:
         for name in names:
-            known = GAZEBO_PLUGINS.setdefault(plugin_kind(GazeboPlugin(name, "")), function)
-            if known is not function:
-                raise ValueError(f"{known.__module__} and {function.__module__} both convert the plugin {name!r}")
+            GAZEBO_PLUGINS.add(plugin_kind(GazeboPlugin(name, "")), function, function)
         return function
 
     return register

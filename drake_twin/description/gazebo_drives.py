@@ -7,7 +7,6 @@ needs. Sources: ``gazebo_plugins`` of gazebo_ros_pkgs (branch ros2) and ``src/sy
 
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import import_module
 
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.gazebo_drive import (
@@ -21,26 +20,17 @@ from drake_twin.description.gazebo_drive import (
 from drake_twin.description.gazebo_plugins import plugin_kind, plugin_node_name
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 from drake_twin.description.roller_wheels import roller_wheels
-from drake_twin.extensions import load_extensions
-
-GROUP = "drake_twin.gazebo_plugins"
 
 _ROS2_CONTROL = ("gz_ros2_control-system", "libgz_ros2_control-system.so", "libgazebo_ros2_control.so")
-
-# Each registers the plugins that it converts.
-for _module in ("classic_drives", "detachable_joints", "gz_drives", "gz_publishers", "joint_drives"):
-    import_module(f"drake_twin.description.{_module}")
 
 
 def is_drive(plugin: GazeboPlugin) -> bool:
     """Tell whether a plugin is of a kind that becomes a controller."""
-    load_extensions(GROUP)
     return plugin_kind(plugin) in GAZEBO_PLUGINS
 
 
 def known_libraries() -> list[str]:
     """Return the libraries of Gazebo's plugins that the twin knows, in their usual spelling."""
-    load_extensions(GROUP)
     drives = [kind if "gazebo_ros" not in kind else f"lib{kind}.so" for kind in GAZEBO_PLUGINS]
     return [f"gz-sim-{kind}" if kind.endswith("-system") else kind for kind in drives] + list(_ROS2_CONTROL)
 

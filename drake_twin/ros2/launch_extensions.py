@@ -1,49 +1,40 @@
-"""The modules that register tags and substitutions: the twin's own, and the launch extensions of the user's packages.
+"""The modules of the user's packages that register tags and substitutions of launch files.
 
-A package names its extensions as entry points of the group ``launch.frontend.launch_extension``.
+A package names its launch extensions as entry points of the group ``launch.frontend.launch_extension``, for ROS, or of
+one of the twin's. Its module is imported when a launch file has a tag or a substitution that is unknown without it.
 """
 
 import ast
 import importlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from configparser import ConfigParser
 from configparser import Error as ConfigError
-from functools import cache
 from pathlib import Path
 
 from drake_twin.description.package_index import containing_package, packages_in, workspace_of
+from drake_twin.extensions import entry_points_of
 from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.launch_context import LaunchContext
-from drake_twin.ros2.lazy_exports import import_own
 
 _GROUP = "launch.frontend.launch_extension"
-_TREE = __package__
-_FOLDER = Path(__file__).parent
 
 
-@cache
-def load_own_modules(folder: str) -> None:
-    """Import all modules of the tree of stand-ins that are in folders of a name, such as ``actions``."""
-    for file in sorted(_FOLDER.glob(f"*/{folder}/[a-z]*.py")):
-        import_own(".".join((_TREE, *file.relative_to(_FOLDER).with_suffix("").parts)))
-
-
-def load_extensions() -> None:
-    """Import the launch extensions of the packages that the launch file at hand can see.
+def load_extensions(group: str) -> None:
+    """Import the extensions that Python packages name in a group, and the launch extensions that are visible.
 
     An extension that fails is noted in the context, and ignored like in ROS.
     """
     context = current_context()
-    for package in _visible_packages(context):
-        if package in context.extensions:
+    for place, modules in _visible_extensions(context, group):
+        if place in context.extensions:
             continue
-        context.extensions[package] = ""
-        for module in extension_modules(package):
+        context.extensions[place] = ""
+        for module in modules:
             try:
                 importlib.import_module(module)
             except (Exception, SystemExit) as error:  # the package's code raises whatever it likes
-                context.extensions[package] = f"the launch extension {module} fails ({error})"
+                context.extensions[place] = f"the launch extension {module} fails ({error})"
 
 
 def extension_problems() -> str:
@@ -69,6 +60,14 @@ def extension_modules(package: Path) -> Iterator[str]:
         module = line.partition("=")[2].partition(":")[0].strip()
         if module:
             yield module
+
+
+def _visible_extensions(context: LaunchContext, group: str) -> Iterator[tuple[str, Iterable[str]]]:
+    """Yield groups of installed Python packages, and ROS packages: each with its modules."""
+    for name in (group, _GROUP):
+        yield name, (point.module for point in entry_points_of(name))
+    for package in _visible_packages(context):
+        yield str(package), extension_modules(package)
 
 
 def _visible_packages(context: LaunchContext) -> Iterator[Path]:

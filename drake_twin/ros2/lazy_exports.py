@@ -1,28 +1,30 @@
 """The names of a stand-in package, each imported from its module when it is first asked for."""
 
-import importlib
+import re
 import sys
 from collections.abc import Callable, Mapping
-from types import ModuleType
+from pathlib import Path
 from typing import Any
 
+from drake_twin.extensions import import_own
+
 _TREE = __package__
-_writes_no_bytecode = sys.dont_write_bytecode
+_CLASS = re.compile(r"^(?:class )?([A-Z]\w*[a-z]\w*)(?=[(:]| = )", re.MULTILINE)
 
 # Package → name → the module that holds it.
 EXPORTS: dict[str, dict[str, str]] = {}
 
 
-def import_own(module: str) -> ModuleType:
-    """Import a module of the twin, also while launch files run.
+def classes_in(package: str) -> dict[str, str]:
+    """Return the public classes of a package's modules, and their other names, as `lazy_exports` takes them.
 
-    No bytecode is written then, to leave no trace in other people's packages. That of the twin's modules is.
+    Args:
+        package: The package's ``__file__``.
     """
-    before, sys.dont_write_bytecode = sys.dont_write_bytecode, _writes_no_bytecode
-    try:
-        return importlib.import_module(module)
-    finally:
-        sys.dont_write_bytecode = before
+    return {
+        file.stem: " ".join(_CLASS.findall(file.read_text(encoding="utf-8")))
+        for file in sorted(Path(package).parent.glob("[a-z]*.py"))
+    }
 
 
 def lazy_exports(package: str, exports: Mapping[str, str]) -> tuple[list[str], Callable[[str], Any]]:

@@ -75,7 +75,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         arguments: Its arguments, for ``sys.argv``.
         package_folders: Where the ``xacro`` command searches packages first.
     """
-    with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation(), tags_with_places(installed_xacro()):
+    with ACTIONS.passing(), SUBSTITUTIONS.passing(), no_trace(), tags_with_places(installed_xacro()):
         for name in [name for name in sys.modules if _is_ros(name)]:
             del sys.modules[name]
         importlib.invalidate_caches()

@@ -13,7 +13,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from drake_twin.ros2.lazy_exports import EXPORTS, import_own
+from drake_twin.extensions import import_own
+from drake_twin.ros2.lazy_exports import EXPORTS
 
 _TREE = __package__
 _FOLDER = Path(__file__).parent

@@ -1,10 +1,6 @@
 """The services that a running twin offers: its own, its robots', and those of its nodes' parameters."""
 
-import importlib
-import pkgutil
 from collections.abc import Callable, Iterator
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 from drake_twin.services.entities import world_name
@@ -15,7 +11,6 @@ from drake_twin.twin.twin import Twin
 
 def services_of(twin: Twin) -> tuple[Service, ...]:
     """Return the services of a twin with its present robots and controllers; of two with one name, the first."""
-    _import_own()
     found: dict[str, Service] = {}
     for service in _all(twin):
         found.setdefault(service.name, service)
@@ -24,11 +19,11 @@ def services_of(twin: Twin) -> tuple[Service, ...]:
 
 def _all(twin: Twin) -> Iterator[Service]:
     world = world_name(twin)
-    for kind in OF_TWIN:
+    for kind in OF_TWIN.values():
         yield Service(kind.name.format(world=world), kind.type, kind.node, _for_twin(kind, twin), kind.between_advances)
     for plan in twin.built.plans:
         namespace = plan.robot.topic_namespace
-        for kind in OF_ROBOT:
+        for kind in OF_ROBOT.values():
             names = f"{namespace}/{kind.name}", kind.type, f"{namespace}/{kind.node}"
             yield Service(*names, _for_robot(kind, twin, plan.name))
     yield from parameter_services(twin)
@@ -40,9 +35,3 @@ def _for_twin(kind: Kind, twin: Twin) -> Callable[[Any], Fields | Later]:
 
 def _for_robot(kind: Kind, twin: Twin, robot: str) -> Callable[[Any], Fields | Later]:
     return lambda request: kind.answer(twin, robot, request)
-
-
-@cache
-def _import_own() -> None:
-    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
-        importlib.import_module(f"{__package__}.{module.name}")

@@ -4,6 +4,8 @@ from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from drake_twin.extensions import Registry
+
 Fields = Mapping[str, Any]  # of a response
 Later = Generator[Any, None, Fields]  # a response that takes several frames: it is continued once a frame
 SIMULATION_NODE = "/drake_twin"
@@ -50,8 +52,9 @@ class Kind:
     between_advances: bool
 
 
-OF_TWIN: list[Kind] = []  # by the order in which their modules are imported
-OF_ROBOT: list[Kind] = []
+_WHERE = "drake_twin.services", ["drake_twin.services"]
+OF_TWIN: Registry[Kind] = Registry("service of the twin", "twin_service", *_WHERE)
+OF_ROBOT: Registry[Kind] = Registry("service of robots", "robot_service", *_WHERE)
 
 
 def twin_service(
@@ -64,10 +67,13 @@ def twin_service(
         name: The full name.
         node: The full name of its node.
         between_advances: Whether it does what a callback cannot do.
+
+    Raises:
+        InputError: If another function answers a service of the name.
     """
 
     def register(answer: _Answer) -> _Answer:
-        OF_TWIN.append(Kind(name, type, node, answer, between_advances))
+        OF_TWIN.add(name, Kind(name, type, node, answer, between_advances), answer)
         return answer
 
     return register
@@ -80,10 +86,13 @@ def robot_service(type: str, name: str, node: str) -> Callable[[_Answer], _Answe
         type: The ROS type.
         name: The name below the node's.
         node: The node's name below the robot's namespace.
+
+    Raises:
+        InputError: If another function answers a service of the name.
     """
 
     def register(answer: _Answer) -> _Answer:
-        OF_ROBOT.append(Kind(f"{node}/{name}", type, node, answer, False))
+        OF_ROBOT.add(f"{node}/{name}", Kind(f"{node}/{name}", type, node, answer, False), answer)
         return answer
 
     return register

@@ -2,18 +2,13 @@
 
 import argparse
 from collections.abc import Callable
-from functools import cache
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, ClassVar, TypeVar
 
-from drake_twin.extensions import load_extensions
+from drake_twin.extensions import Registry
 
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
     from drake_twin.wires.wire import Wire
-
-GROUP = "drake_twin.wires"
 
 Asset = Callable[[str], bytes | None]  # a file's address → its content
 
@@ -64,7 +59,8 @@ class WireKind:
 
 
 _Kind = TypeVar("_Kind", bound=type[WireKind])
-_kinds: dict[str, WireKind] = {}
+
+WIRES: Registry[WireKind] = Registry("wire", "wire_kind", "drake_twin.wires", ["drake_twin.wires.kinds"])
 
 
 def wire_kind(kind: _Kind) -> _Kind:
@@ -73,24 +69,12 @@ def wire_kind(kind: _Kind) -> _Kind:
     A package of its own does so in a module that its entry point in the group ``drake_twin.wires`` names.
 
     Raises:
-        ValueError: If another kind has its name.
+        InputError: If another kind has its name.
     """
-    known = type(_kinds.get(kind.name))
-    if kind.name in _kinds and (known.__module__, known.__qualname__) != (kind.__module__, kind.__qualname__):
-        raise ValueError(f"{known.__module__} and {kind.__module__} both register a wire {kind.name!r}")
-    _kinds[kind.name] = kind()
+    WIRES.add(kind.name, kind(), kind)
     return kind
 
 
 def wire_kinds() -> tuple[WireKind, ...]:
     """Return all kinds of wires, those of other packages included."""
-    _import_all()
-    return tuple(_kinds.values())
-
-
-@cache
-def _import_all() -> None:
-    own = f"{__package__}.kinds"
-    for module in iter_modules(import_module(own).__path__):
-        import_module(f"{own}.{module.name}")
-    load_extensions(GROUP)
+    return tuple(WIRES.values())

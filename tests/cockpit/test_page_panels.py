@@ -13,14 +13,14 @@ from fake_page import FakePage
 from pydrake.geometry import Rgba, Sphere
 from pydrake.math import RigidTransform
 
-from drake_twin.cockpit import extensions, protocol
-from drake_twin.cockpit import overlay as overlays
-from drake_twin.cockpit import panel as panels
+from drake_twin import extensions
+from drake_twin.cockpit import protocol
 from drake_twin.cockpit.overlay import overlay, overlay_kinds
 from drake_twin.cockpit.panel import panel, panel_kinds
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.errors import InputError
 
+PANELS = "drake_twin.page_panels"
 SCRIPT = """
 export default class {
   constructor(ask) {
@@ -41,8 +41,8 @@ export default class {
 @pytest.fixture
 def own_parts(tmp_path, monkeypatch):
     """An overlay and a panel that are not the twin's own."""
-    monkeypatch.setattr(overlays, "_kinds", dict(overlay_kinds()))
-    monkeypatch.setattr(panels, "_kinds", dict(panel_kinds()))
+    for kinds in (overlay_kinds(), panel_kinds()):
+        monkeypatch.setattr(kinds, "_kinds", kinds._kinds.new_child())
     script = tmp_path / "horn.js"
     script.write_text(SCRIPT)
 
@@ -85,7 +85,7 @@ def test_an_overlay_of_others_is_listed_drawn_and_removed(own_parts):
     assert not it.cockpit._scene.has_path(f"{OVERLAYS}/origin")
     it.ask(protocol.Show("nothing", True))
     assert it.state
-    assert "unknown overlay 'nothing'. Valid: frames, contacts," in it.messages[-1][1]
+    assert "unknown overlay 'nothing'. Valid: collision, contacts," in it.messages[-1][1]
     it.cockpit.close()
 
 
@@ -107,10 +107,10 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
 
 
 def test_two_parts_of_one_name_are_refused(own_parts):
-    with pytest.raises(ValueError, match="two parts of the page are named 'frames'"):
-        overlay("frames", "Frames")(Scene)
-    with pytest.raises(ValueError, match="'my overlay' cannot name a part of the page"):
-        overlay("my overlay", "Mine")(Scene)
+    with pytest.raises(InputError, match=r"overlay 'frames' is registered by drake_twin\.cockpit\.\S+ and by"):
+        overlay("frames", "Frames")(FakePage)
+    with pytest.raises(InputError, match="'my overlay' cannot name a part of the page"):
+        overlay("my overlay", "Mine")(FakePage)
 
 
 @pytest.fixture
@@ -118,8 +118,8 @@ def entry_points(monkeypatch):
     """Sets the entry points of the group, and forgets what was loaded."""
 
     def set_(*entries):
-        found = [EntryPoint(name, value, extensions.ENTRY_POINTS) for name, value in entries]
-        monkeypatch.setattr(extensions, "entry_points", lambda *, group: found)
+        found = {PANELS: [EntryPoint(name, value, PANELS) for name, value in entries]}
+        monkeypatch.setattr(extensions, "entry_points_of", lambda group: found.get(group, ()))
         extensions.load_extensions.cache_clear()
 
     yield set_
@@ -130,7 +130,7 @@ def test_entry_points_are_loaded_when_a_page_is_opened_and_a_broken_one_is_named
     entry_points, tmp_path, monkeypatch, caplog
 ):
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(overlays, "_kinds", dict(overlay_kinds()))
+    monkeypatch.setattr(overlay_kinds(), "_kinds", overlay_kinds()._kinds.new_child())
     (tmp_path / "their_overlay.py").write_text(
         "from drake_twin.cockpit.overlay import overlay\n"
         "@overlay('theirs', 'Theirs')\n"
@@ -144,7 +144,7 @@ def test_entry_points_are_loaded_when_a_page_is_opened_and_a_broken_one_is_named
     assert "their_overlay" not in sys.modules
     with caplog.at_level(logging.WARNING):
         it = FakePage(twin, Scene())
-    assert "the page panel broken (no_such_module:Panel) cannot be loaded: No module named" in caplog.text
+    assert "broken = no_such_module:Panel of drake_twin.page_panels cannot be loaded (ModuleNotFound" in caplog.text
     assert it.state
     assert it.server.told["robots"]["overlays"][-1]["name"] == "theirs"
     it.cockpit.close()

@@ -4,6 +4,7 @@ import pytest
 
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.description.gazebo_drive import GAZEBO_PLUGINS, DrivePlugin, GazeboDrive, gazebo_plugin
+from drake_twin.errors import InputError
 
 SPINNER = """<robot name="spinner"><link name="base"/>
 <link name="rotor"><inertial><mass value="1"/>
@@ -31,10 +32,9 @@ def spinner(tmp_path):
 
 
 @pytest.fixture
-def added():
+def added(monkeypatch):
+    monkeypatch.setattr(GAZEBO_PLUGINS, "_kinds", GAZEBO_PLUGINS._kinds.new_child())
     gazebo_plugin("libmy_spinner.so")(my_spinner)
-    yield
-    GAZEBO_PLUGINS.pop("libmy_spinner.so")
 
 
 def test_the_plugin_turns_its_joint(added, spinner):
@@ -51,5 +51,5 @@ def test_without_it_the_plugin_is_ignored(spinner):
 
 
 def test_one_plugin_has_one_function(added):
-    with pytest.raises(ValueError, match=r"both convert the plugin 'libmy_spinner\.so'"):
+    with pytest.raises(InputError, match=r"Gazebo plugin 'libmy_spinner\.so' is registered by \w+ and by \w+"):
         gazebo_plugin("libmy_spinner.so")(lambda plugin: GazeboDrive(plugin.plugin))

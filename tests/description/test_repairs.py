@@ -50,25 +50,25 @@ def test_a_rule_that_does_not_exist_is_refused_with_those_there_are():
         check_repair_names(["inertias"])
 
 
-def test_another_package_adds_a_repair():
-    @repair("axis_upwards")
-    def axis_upwards(reader):
-        """Turn each axis upwards."""
-        for axis in reader.root.iterfind("joint/axis"):
-            axis.set("xyz", "0 0 1")
-            yield axis, "the axis is turned upwards"
+def test_another_package_adds_a_repair(monkeypatch):
+    body = arm(joint(inside='<axis xyz="1 0 0"/>'), joint("wrist", "fixed", "arm", "hand"))
+    with monkeypatch.context() as added:
+        added.setattr(REPAIRS, "_kinds", REPAIRS._kinds.new_child())
 
-    try:
-        body = arm(joint(inside='<axis xyz="1 0 0"/>'), joint("wrist", "fixed", "arm", "hand"))
+        @repair("axis_upwards")
+        def axis_upwards(reader):
+            """Turn each axis upwards."""
+            for axis in reader.root.iterfind("joint/axis"):
+                axis.set("xyz", "0 0 1")
+                yield axis, "the axis is turned upwards"
+
         root, repairs = mend(body)
         assert root.find("joint/axis").get("xyz") == "0 0 1"
         assert repairs == ["arm.xacro:5: the axis is turned upwards [axis_upwards]"]
         check_repair_names(["axis_upwards"])
         assert mend(body, without=["axis_upwards"])[1] == []
-        with pytest.raises(ValueError, match="both register a repair 'axis_upwards'"):
-            repair("axis_upwards")(axis_upwards)
-    finally:
-        REPAIRS.pop("axis_upwards")
+        with pytest.raises(InputError, match=r"repair 'axis_upwards' is registered by \S*test_repairs and by"):
+            repair("axis_upwards")(arm)
     assert mend(body)[1] == []
     with pytest.raises(InputError, match="unknown repair 'axis_upwards'"):
         check_repair_names(["axis_upwards"])

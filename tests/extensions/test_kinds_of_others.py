@@ -1,4 +1,4 @@
-"""Controllers and sensors that are no part of drake_twin: each is one file, found in four ways."""
+"""Controllers and sensors that are no part of drake_twin: each is one file, imported or named by ``--plugin``."""
 
 import json
 import re
@@ -107,10 +107,9 @@ def test_a_scenario_with_an_added_controller_is_written_and_read(others, files):
         builder.controller("leg", "wave", "others_pkg/Wave")
 
 
-def run(*arguments, folder=None, path=()):
-    program = (
-        f"import sys; sys.path[:0] = {[str(p) for p in path]!r}; from drake_twin.run import main; sys.exit(main())"
-    )
+def run(*arguments, folder=None, path=(), before=""):
+    program = f"import sys; sys.path[:0] = {[str(p) for p in path]!r}; {before}\n"
+    program += "from drake_twin.run import main; sys.exit(main())"
     command = [sys.executable, "-c", program, *map(str, arguments), "--headless", "--duration", "0.5"]
     return subprocess.run([*command, "--summary", folder / "out.json"], capture_output=True, text=True, check=False)
 
@@ -120,41 +119,35 @@ def final_position(folder):
     return robot["positions"][robot["joints"].index("j")]
 
 
-def installed(folder, group, module):
-    """A folder with a package whose entry point names a module."""
-    info = folder / "site" / "others_pkg-1.0.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others_pkg\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(f"[drake_twin.{group}]\nmine = {module}\n")
-    return folder / "site"
-
-
-@pytest.mark.parametrize("how", ["module", "file", "entry point"])
+@pytest.mark.parametrize("how", ["module", "file"])
 def test_the_command_line_finds_it(files, how):
     (files / "scenario.yaml").write_text("robots:\n- {name: arm, model: arm.urdf, controllers: [controllers.yaml]}\n")
     more, path = [], [FOLDER]
     if how == "module":
         more = ["--plugin", "wave_controller"]
-    elif how == "file":
-        more, path = ["--plugin", FOLDER / "wave_controller.py"], []
     else:
-        path = [FOLDER, installed(files, "controllers", "wave_controller")]
+        more, path = ["--plugin", FOLDER / "wave_controller.py"], []
     result = run(files / "scenario.yaml", *more, folder=files, path=path)
     assert result.returncode == 0, result.stderr
     assert "not supported" not in result.stderr
     swings(final_position(files))
 
 
-def test_a_wire_of_others_has_its_options_on_the_command_line_and_gets_every_message(files):
-    path = [FOLDER, installed(files, "wires", "lines_wire")]
-    result = run("--robots", "1", "--lines", files / "lines.txt", folder=files, path=path)
+def test_in_the_twin_itself_a_new_wire_and_a_new_substitution_are_one_file_each(files):
+    """The files are put beside the twin's own, and nothing else names them."""
+    for folder in ("wires/kinds", "ros2/launch/substitutions"):
+        (files / folder).mkdir(parents=True)
+    shutil.copy(FOLDER / "lines_wire.py", files / "wires/kinds")
+    shutil.copy(FOLDER / "half_substitution.py", files / "ros2/launch/substitutions")
+    create = 'pkg="ros_gz_sim" exec="create" args="-name arm -file $(dirname)/arm.urdf -x $(half 3)"'
+    (files / "x.launch.xml").write_text(f"<launch><node {create}/></launch>")
+    beside = "import drake_twin.wires.kinds, drake_twin.ros2.launch.substitutions as substitutions;"
+    beside += f"drake_twin.wires.kinds.__path__.append({str(files / 'wires/kinds')!r});"
+    beside += f"substitutions.__path__.append({str(files / 'ros2/launch/substitutions')!r})"
+    result = run(files / "x.launch.xml", "--lines", files / "lines.txt", folder=files, before=beside)
     assert result.returncode == 0, result.stderr
-    lines = [line.split() for line in (files / "lines.txt").read_text().splitlines()]
-    clock = [float(time) for time, topic, _ in lines if topic == "/clock"]
-    assert clock == pytest.approx([index / 100 for index in range(50)])
-    assert {size for _, topic, size in lines if topic == "/clock"} == {"12"}  # CDR: 4 of a header, sec, nanosec
-    assert run("--help", folder=files, path=path).stdout.count("--lines FILE") == 2
-    assert "--lines" not in run("--help", folder=files).stdout
+    assert " /clock 12" in (files / "lines.txt").read_text()
+    assert "xyz: [1.5, 0.0, 0.0]" in run(files / "x.launch.xml", "--show-scenario", folder=files, before=beside).stdout
 
 
 def test_without_it_the_type_is_said_to_be_unknown(files):
@@ -183,13 +176,14 @@ def test_a_kind_is_a_finding_where_nobody_has_one(files):
 
 
 def test_two_classes_of_one_type_are_refused(others):
+    from wave_controller import Wave
+
     from drake_twin.controllers import controller
-    from drake_twin.controllers.base_controller import Controller
 
     with pytest.raises(InputError, match=r"type 'others_pkg/Wave' is registered by wave_controller and by"):
 
         @controller("others_pkg/Wave")
-        class Other(Controller):
+        class Other(Wave):
             pass
 
 

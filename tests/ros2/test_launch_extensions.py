@@ -184,3 +184,26 @@ def test_an_extension_that_fails_is_named_where_its_tag_is_missing(tmp_path):
         evaluate(file)
     write(file, '<launch><log message="x"/></launch>')
     assert evaluate(file).log == ("x",)
+
+
+OWN_LOG = """
+
+@expose_action("{name}")
+def parse_log(entity, parser):
+    return Greet, {{"who": parser.parse_substitution(entity.get_attr("message"))}}
+"""
+
+
+def test_a_packages_own_takes_the_place_of_what_ros_jazzy_lacks_until_the_evaluation_ends(tmp_path):
+    elements = '<launch><greet who="you"/><log_info message="all"/></launch>'
+    file = write(package(tmp_path / "a", tags=TAGS + OWN_LOG.format(name="log_info")) / "x.launch.xml", elements)
+    launched = evaluate(file)
+    assert (launched.log, launched.refused_by_ros) == (("hello you", "hello all"), ())
+    assert launch_xml(tmp_path / "b", '<log_info message="all"/>').log == ("all",)
+
+
+def test_a_package_cannot_take_a_tag_of_ros(tmp_path):
+    file = write(package(tmp_path, tags=TAGS.replace('"greet"', '"log"')) / "x.launch.xml", XML)
+    reason = r"extension greetings.tags fails \(element 'log' is registered by drake_twin\S+\.log and by greetings.tags"
+    with pytest.raises(InputError, match=reason):
+        evaluate(file)

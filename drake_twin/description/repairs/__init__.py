@@ -15,10 +15,7 @@ add repairs with the same decorator::
 in a module that a program imports, or that the entry-point group ``drake_twin.repairs`` names.
 """
 
-from importlib import import_module
-
 from drake_twin.description.repairs.registry import (
-    GROUP,
     REPAIRS,
     Mended,
     Repair,
@@ -27,8 +24,4 @@ from drake_twin.description.repairs.registry import (
     repair_urdf,
 )
 
-# The order in which they are applied: a joint that becomes fixed needs no mass, for example.
-for _module in ("joints", "shapes", "masses"):
-    import_module(f"{__name__}.{_module}")
-
-__all__ = ["GROUP", "REPAIRS", "Mended", "Repair", "check_repair_names", "repair", "repair_urdf"]
+__all__ = ["REPAIRS", "Mended", "Repair", "check_repair_names", "repair", "repair_urdf"]

@@ -7,17 +7,16 @@ from lxml import etree
 
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.errors import InputError
-from drake_twin.extensions import load_extensions
+from drake_twin.extensions import Registry
 from drake_twin.findings import Finding, Kind
 
 Mended: TypeAlias = Iterator[tuple[etree._Element, str]]
 Repair: TypeAlias = Callable[[XmlReader], Mended]
 
-# Rule's name → repair, in the order in which they are applied.
-REPAIRS: dict[str, Repair] = {}
-
-GROUP = "drake_twin.repairs"
+# In the order in which they are applied: a joint that becomes fixed needs no mass, for example.
+REPAIRS: Registry[Repair] = Registry(
+    "repair", "repair", "drake_twin.repairs", ["drake_twin.description.repairs"], first=["joints", "shapes", "masses"]
+)
 
 
 def repair(name: str) -> Callable[[Repair], Repair]:
@@ -29,13 +28,11 @@ def repair(name: str) -> Callable[[Repair], Repair]:
         name: The rule's name, under which users switch the repair off.
 
     Raises:
-        ValueError: If another repair has the name.
+        InputError: If another repair has the name.
     """
 
     def register(function: Repair) -> Repair:
-        if name in REPAIRS:
-            raise ValueError(f"{REPAIRS[name].__module__} and {function.__module__} both register a repair {name!r}")
-        REPAIRS[name] = function
+        REPAIRS.add(name, function, function)
         return function
 
     return register
@@ -51,7 +48,6 @@ def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Findin
     Returns:
         What was repaired, in order.
     """
-    load_extensions(GROUP)
     return [
         Finding.at(Kind.MENDED, what, reader.place(element), name, weight=weight_of(element))
         for name, function in REPAIRS.items()
@@ -70,9 +66,6 @@ def check_repair_names(names: Collection[str], others: Collection[str] = ()) -> 
     Raises:
         InputError: If a name is unknown.
     """
-    if not names:
-        return
-    load_extensions(GROUP)
     for name in names:
-        if name not in REPAIRS and name not in others:
-            raise InputError(f"unknown repair {name!r}", value=name, valid=sorted((*REPAIRS, *others)))
+        if name not in others and name not in REPAIRS:
+            raise REPAIRS.unknown(name, others)

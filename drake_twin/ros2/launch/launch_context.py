@@ -45,7 +45,7 @@ class LaunchContext:
         rewritten: Path of a file made by the launch → what is in it.
         files: The files that are being executed, the outermost first, each with the place that includes it.
         place: Where the action that is being executed was written.
-        extensions: Package whose launch extensions were imported → what failed, see `launch_extensions`.
+        extensions: Package or group whose extensions were imported → what failed, see `launch_extensions`.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class LaunchContext:
         self.rewritten: dict[str, ParameterText] = {}
         self.files: list[tuple[str, Place | None]] = []
         self.place: Place | None = None
-        self.extensions: dict[Path, str] = {}
+        self.extensions: dict[str, str] = {}
         self._locals: dict[str, Any] = {}
         self._globals: dict[str, Any] = {}
         self._anonymous: dict[str, str] = {}

@@ -1,39 +1,40 @@
 """What XML and YAML launch files may name: the tags of actions and the names of substitutions.
 
-A class or a parse method registers itself with `expose_action` or `expose_substitution`. The twin's own modules are
-imported when a name is looked up that is not registered yet, and then the launch extensions of the user's packages.
+A class or a parse method registers itself with `expose_action` or `expose_substitution`, in the twin's own modules, in
+launch files, in the launch extensions of the user's packages, and in modules that the entry-point groups
+``drake_twin.launch_actions`` and ``drake_twin.substitutions`` name.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from functools import partial
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 from drake_twin.errors import InputError
+from drake_twin.extensions import Registry
 from drake_twin.ros2.evaluation import current_context
-from drake_twin.ros2.launch_extensions import extension_problems, load_extensions, load_own_modules
+from drake_twin.ros2.launch_extensions import extension_problems, load_extensions
 
 __all__ = ["expose_action", "expose_substitution", "instantiate_substitution"]
 
 # What a parse method returns: a class (or what makes an object), and its keyword arguments.
 Parsed = tuple[Callable[..., Any], dict[str, Any]]
 _Exposed = TypeVar("_Exposed", bound=Callable[..., Any])
+_TREE = Path(__file__).parents[2]
 
 
-class Registry:
-    """Parse methods by name.
-
-    Those of the twin's own modules stay. Those of launch files and their packages end with the evaluation, and take
-    precedence.
+class LaunchRegistry(Registry[Callable[..., Parsed]]):
+    """Parse methods by name. Those of launch files and of modules that end with them end with the evaluation.
 
     Args:
-        folder: The name of the folders whose modules register themselves.
+        noun: What has such a name.
+        decorator: The decorator's name.
+        folder: The name of the folders with the twin's own.
+        group: The entry-point group.
     """
 
-    def __init__(self, folder: str):
-        self._folder = folder
-        self._own: dict[str, Callable[..., Parsed]] = {}
-        self._others: dict[str, Callable[..., Parsed]] = {}
+    def __init__(self, noun: str, decorator: str, folder: str, group: str):
+        packages = [f"drake_twin.ros2.{path.parent.name}.{folder}" for path in sorted(_TREE.glob(f"*/{folder}"))]
+        super().__init__(noun, decorator, group, packages)
         self._later: set[str] = set()
 
     def expose(self, name: str, *, jazzy: bool = True) -> Callable[[_Exposed], _Exposed]:
@@ -41,7 +42,7 @@ class Registry:
 
         Args:
             name: The name.
-            jazzy: Whether ROS 2 Jazzy knows it.
+            jazzy: Whether ROS 2 Jazzy knows it; else a package's own takes its place.
         """
         if not jazzy:
             self._later.add(name)
@@ -50,46 +51,21 @@ class Registry:
             method = getattr(exposed, "parse", None) if isinstance(exposed, type) else exposed
             if not callable(method):
                 raise RuntimeError(f"{exposed!r} is exposed as {name!r}, and has no class method parse")
-            own = exposed.__module__.startswith("drake_twin.")
-            (self._own if own else self._others)[name] = method
+            self.add(name, method, exposed, replace=name in self._later)
             return exposed
 
         return register
 
-    def find(self, name: str) -> Callable[..., Parsed] | None:
-        """Return a parse method; None for an unknown name."""
-        for load in (None, partial(load_own_modules, self._folder), load_extensions):
-            if load is not None:
-                load()
-            method = self._others.get(name) or self._own.get(name)
-            if method is not None:
-                return method
-        return None
-
     def is_in_jazzy(self, name: str) -> bool:
-        """Return whether ROS 2 Jazzy knows a name, as one of its own."""
-        return name not in self._later or name in self._others
+        """Return whether ROS 2 Jazzy knows a name, as one of its own, or from a launch file or one of its packages."""
+        return name not in self._later or self.is_of_others(name)
 
-    def is_of_package(self, name: str) -> bool:
-        """Return whether a launch file or one of its packages registered a name."""
-        return name in self._others
-
-    def names(self) -> list[str]:
-        """Return the names that are known, sorted."""
-        return sorted({*self._own, *self._others})
-
-    @contextmanager
-    def evaluation(self) -> Iterator[None]:
-        """Forget at the end what launch files registered in between."""
-        before, self._others = self._others, {}
-        try:
-            yield
-        finally:
-            self._others = before
+    def _import_others(self) -> None:
+        load_extensions(self.group)
 
 
-ACTIONS = Registry("actions")
-SUBSTITUTIONS = Registry("substitutions")
+ACTIONS = LaunchRegistry("element", "expose_action", "actions", "drake_twin.launch_actions")
+SUBSTITUTIONS = LaunchRegistry("substitution", "expose_substitution", "substitutions", "drake_twin.substitutions")
 
 
 def expose_action(name: str, *, jazzy: bool = True) -> Callable[[_Exposed], _Exposed]:
@@ -118,10 +94,10 @@ def instantiate_substitution(name: str, args: Sequence[Any] = ()) -> Any:
     Raises:
         InputError: If the name is unknown, or the arguments are wrong.
     """
-    method = SUBSTITUTIONS.find(name)
+    method = SUBSTITUTIONS.get(name)
     if method is None:
         message = f"unknown substitution $({name} …){extension_problems()}"
-        raise InputError(message, value=name, valid=SUBSTITUTIONS.names())
+        raise InputError(message, value=name, valid=sorted(SUBSTITUTIONS))
     if not SUBSTITUTIONS.is_in_jazzy(name):
         current_context().refused_by_ros(f"ROS 2 Jazzy has no $({name} …)")
     try:

@@ -30,13 +30,13 @@ class Parser:
 
     def _action(self, entity: Entity) -> LaunchDescriptionEntity:
         tag = entity.type_name.replace("-", "_")
-        method = ACTIONS.find(tag)
+        method = ACTIONS.get(tag)
         of_ros_1 = tag in _OF_ROS_1 or "ns" in entity or (tag == "node" and "type" in entity)
-        if of_ros_1 and not ACTIONS.is_of_package(tag):
+        if of_ros_1 and not ACTIONS.is_of_others(tag):
             raise entity.error("this is a ROS 1 launch file, and the twin reads those of ROS 2")
         if method is None:
             message = f"unknown element{extension_problems()}"
-            raise entity.error(message, value=entity.type_name, valid=ACTIONS.names())
+            raise entity.error(message, value=entity.type_name, valid=sorted(ACTIONS))
         if not ACTIONS.is_in_jazzy(tag):
             entity.refused_by_ros("ROS 2 Jazzy has no such element")
         try:

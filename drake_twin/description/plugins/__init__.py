@@ -1,0 +1,1 @@
+"""Gazebo plugins that become controllers, each a function."""
