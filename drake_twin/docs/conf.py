@@ -15,6 +15,8 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "pydra
 html_theme = "furo"
 html_show_copyright = False
 html_title = f"drake_twin {version}"
+html_static_path = ["tables.css"]
+html_css_files = ["tables.css"]
 
 myst_heading_anchors = 3
 default_role = "py:obj"  # `Twin` in a docstring is a link where Twin is documented

@@ -1,5 +1,11 @@
-"""Directives for Sphinx: ``pydrake_system`` draws a LeafSystem's ports, ``room`` documents a package's modules."""
+"""Directives for Sphinx, and the line breaks of long names in tables.
 
+``pydrake_system`` draws a LeafSystem's ports, ``names_of`` documents a module under the names that users import, and
+``room`` the modules of a package.
+"""
+
+import inspect
+import re
 from dataclasses import is_dataclass
 from importlib import import_module
 from itertools import zip_longest
@@ -40,8 +46,19 @@ class PydrakeSystem(SphinxDirective):
         return parsed
 
 
+class NamesOf(SphinxDirective):
+    """Document the classes and functions of a module, each under the shortest name by which it is imported."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Return the documentation of the module's text, and of its names in their order."""
+        parsed: list[nodes.Node] = self.parse_text_to_nodes(_documented(self.arguments[0]))
+        return parsed
+
+
 class Room(SphinxDirective):
-    """Document the modules of a package, each as ``automodule`` does."""
+    """Document the modules of a package, each as ``names_of`` does."""
 
     required_arguments = 1
 
@@ -51,11 +68,37 @@ class Room(SphinxDirective):
         names = [item.name for item in iter_modules(import_module(package).__path__) if item.name != "__main__"]
         titles = {name: f"{package.rpartition('.')[2]}.{name}" for name in names}
         blocks = [
-            f"{title}\n{'-' * len(title)}\n\n.. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n"
-            for name, title in titles.items()
+            f"{title}\n{'-' * len(title)}\n\n{_documented(f'{package}.{name}')}" for name, title in titles.items()
         ]
         parsed: list[nodes.Node] = self.parse_text_to_nodes("\n".join(blocks), allow_section_headings=True)
         return parsed
+
+
+def _documented(module: str) -> str:
+    """Return the directives that document a module."""
+    blocks = [f".. automodule:: {module}\n"]
+    found = import_module(module)
+    for name, value in vars(found).items():
+        is_own = getattr(value, "__module__", None) == module and not name.startswith("_") and inspect.getdoc(value)
+        if is_own and (inspect.isclass(value) or inspect.isroutine(value)):
+            kind = "exception" if _is_exception(value) else "class" if inspect.isclass(value) else "function"
+            options = "" if kind == "function" else "   :members:\n   :show-inheritance:\n"
+            blocks.append(f".. auto{kind}:: {imported_name(module, name, value)}\n{options}")
+    return "\n".join(blocks)
+
+
+def imported_name(module: str, name: str, value: Any) -> str:
+    """Return the shortest name by which something of a module is imported from one of the packages around it."""
+    parts = module.split(".")
+    for count in range(1, len(parts)):
+        package = import_module(".".join(parts[:count]))
+        if name in getattr(package, "__all__", ()) and getattr(package, name) is value:
+            return f"{package.__name__}.{name}"
+    return f"{module}.{name}"
+
+
+def _is_exception(value: Any) -> bool:
+    return inspect.isclass(value) and issubclass(value, BaseException)
 
 
 def _port(name: str) -> str:
@@ -70,10 +113,10 @@ def _shorten(app: Sphinx, what: str, name: str, item: Any, *_: Any) -> tuple[str
 def _resolve(
     app: Sphinx, environment: BuildEnvironment, node: addnodes.pending_xref, text: nodes.TextElement
 ) -> nodes.reference | None:
-    """Link a name in a docstring that is documented once, in any module: ``Twin``, ``drake_twin.Twin``."""
-    if node.get("reftype") != "obj":
-        return None
+    """Link a name that is documented once, in any module: ``Twin`` in a docstring, the place of a class in a type."""
     domain, name = environment.domains.python_domain, node["reftarget"]
+    if node.get("reftype") != "obj" and not name.startswith("drake_twin."):
+        return None
     last = name.rpartition(".")[2] if name.startswith("drake_twin.") else name
     names = [item for item in domain.objects if item.endswith(f".{last}")]
     if len(names) != 1:
@@ -82,10 +125,28 @@ def _resolve(
     return make_refnode(app.builder, node["refdoc"], found.docname, found.node_id, text, names[0])
 
 
+def _break_names(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    """Let the browser break long names in tables after their parts, so that no table is wider than its page."""
+    if "body" in context:
+        context["body"] = _TABLE.sub(lambda table: _TEXT.sub(_broken, table[0]), context["body"])
+
+
+_TABLE = re.compile(r"(?<=<table).*?(?=</table>)", re.DOTALL)
+_TEXT = re.compile(r">[^<]+")  # between two tags
+_LONG_NAME = re.compile(r"[^\s>]{16,}")
+_PARTS = re.compile(r"(?<=[_/.:,=\[(|])(?=\w)|(?<=[a-z])(?=[A-Z])")
+
+
+def _broken(text: re.Match[str]) -> str:
+    return _LONG_NAME.sub(lambda name: _PARTS.sub("<wbr>", name[0]), text[0])
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Add the directives, and the rule for dataclasses."""
+    """Add the directives, the rule for dataclasses, and the line breaks."""
+    app.connect("html-page-context", _break_names)
     app.connect("autodoc-process-signature", _shorten)
     app.connect("missing-reference", _resolve)
     app.add_directive("pydrake_system", PydrakeSystem)
+    app.add_directive("names_of", NamesOf)
     app.add_directive("room", Room)
     return {"parallel_read_safe": True}

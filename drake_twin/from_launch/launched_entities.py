@@ -205,7 +205,7 @@ class _Sorter:
                 or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
             ):
                 is_needed = not (publishes_simulated_states(process, found.robots) or needs_terminal(process))
-                if is_needed and (node := launched_node(process, self._packages)) is not None:
+                if is_needed and (node := launched_node(process, self._packages, self._findings)) is not None:
                     self._nodes.append(node)
                     return
                 self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)

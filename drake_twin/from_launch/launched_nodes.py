@@ -7,6 +7,7 @@ from pathlib import Path
 from drake_twin.description.built_in_programs import built_in_programs
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.python_programs import is_python, python_programs
+from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.launched_robots import LaunchedRobot, parameter_file
 from drake_twin.ros2.launched import NODE, PROCESS, LaunchedProcess, ParameterText, absolute_name
 from drake_twin.ros2.ros_arguments import ros_arguments
@@ -15,16 +16,30 @@ from drake_twin.scenario import NodeProgram
 # The type of the service, in gazebo_msgs, ros_gz_interfaces and simulation_interfaces.
 _SPAWN_SERVICE = b"SpawnEntity"
 
+_NOT_DONE = {
+    "cwd": "a node starts in the working folder of the run",
+    "prefix": "a node runs in the twin's process, where no other command can start it",
+    "respawn": "a node is started once",
+}
 
-def launched_node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | None:
+
+def launched_node(process: LaunchedProcess, packages: PackageIndex, findings: list[Finding]) -> NodeProgram | None:
     """Return the program of a process; None if it is not a Python program of a package that is there.
 
     Args:
         process: The process.
         packages: Where packages are searched.
+        findings: Gets what the launch file asks for the program and the twin does not do.
     """
-    if process.kind == PROCESS:
-        return _script(process)
+    node = _script(process) if process.kind == PROCESS else _node(process, packages)
+    if node is not None:
+        for keyword in process.not_done:
+            text = f"{keyword} of {process.what}: {_NOT_DONE[keyword]}"
+            findings.append(Finding.at(Kind.IGNORED, text, process.place))
+    return node
+
+
+def _node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | None:
     if process.kind != NODE or process.package is None:
         return None
     known = built_in_programs(process.package)

@@ -151,7 +151,7 @@ class Nodes:
         self.graph.shift(by)
         for program in self.programs:
             for jumped in program.jumped:
-                jumped()
+                jumped(by)
         self._twin.alarm.set(self._twin.time)
 
     def _look_soon(self) -> None:
@@ -173,6 +173,13 @@ class Nodes:
     def failed(self, program: Program, why: str) -> None:
         """Take note of a program that has failed."""
         self._find(Kind.FAILED, f"node {program.what}: {why}")
+
+    def ignored(self, program: Program, what: str) -> None:
+        """Take note of something that a program asks of ROS and the twin does not do."""
+        finding = Finding(Kind.IGNORED, f"node {program.what}: {what}")
+        if finding not in self._twin.more_findings:
+            self._twin.more_findings.append(finding)
+            _log.warning("%s", finding)
 
     def ended(self, program: Program) -> None:
         """Take note of a program that has ended."""

@@ -40,7 +40,7 @@ class ProcessView(ABC, Generic[Thread]):
         main: The thread that it begins with.
         threads: Its threads.
         rclpy: What the stand-in of rclpy keeps for it.
-        jumped: Functions to call when time has jumped.
+        jumped: Functions to call when time has jumped, with how far (ns).
         belongings: What it has on the graph.
         handlers: Its handlers of signals.
         at_exit: Functions that it calls at its end, with their arguments and options.
@@ -70,7 +70,7 @@ class ProcessView(ABC, Generic[Thread]):
         self.own_folders = own
         self.threads: list[Thread] = []
         self.rclpy: dict[str, Any] = {}
-        self.jumped: list[Callable[[], None]] = []
+        self.jumped: list[Callable[[int], None]] = []
         self.belongings: list[Any] = []
         self.handlers: dict[int, Any] = {}
         self.at_exit: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]] = []
@@ -95,6 +95,10 @@ class ProcessView(ABC, Generic[Thread]):
     @abstractmethod
     def handle_interrupt(self) -> bool:
         """Call its own handler of Ctrl-C; return whether it has one."""
+
+    @abstractmethod
+    def ignored(self, what: str) -> None:
+        """Take note of something that it asks of ROS and the twin does not do, with the line that asks for it."""
 
     @abstractmethod
     def place(self, frame: FrameType | None) -> str:

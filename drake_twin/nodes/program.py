@@ -26,6 +26,9 @@ class Teller(Protocol):
     def failed(self, program: "Program", why: str) -> None:
         """Take note of a program that has failed."""
 
+    def ignored(self, program: "Program", what: str) -> None:
+        """Take note of something that a program asks of ROS and the twin does not do."""
+
     def ended(self, program: "Program") -> None:
         """Take note of a program that has ended."""
 
@@ -105,6 +108,11 @@ class Program(ProcessView[Task]):
         for task in self.threads:
             if task is not here():
                 task.end(Abandoned)
+
+    def ignored(self, what: str) -> None:
+        """Take note of something that it asks of ROS and the twin does not do, with the line that asks for it."""
+        place = self.place(sys._getframe())
+        self._teller.ignored(self, what + (f" ({place})" if place else ""))
 
     def handle_interrupt(self) -> bool:
         """Call its own handler of Ctrl-C; return whether it has one."""

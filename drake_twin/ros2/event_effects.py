@@ -10,14 +10,15 @@ from drake_twin.ros2.launch_ros.events.lifecycle import ChangeState, StateTransi
 from drake_twin.ros2.lifecycle_msgs.msg import Transition
 from drake_twin.ros2.visiting import visit_all
 
+# The transition's number → its name, the state that it goes through, and the state that it ends in.
 _STATES = {
-    Transition.TRANSITION_CONFIGURE: ("configuring", "inactive"),
-    Transition.TRANSITION_CLEANUP: ("cleaningup", "unconfigured"),
-    Transition.TRANSITION_ACTIVATE: ("activating", "active"),
-    Transition.TRANSITION_DEACTIVATE: ("deactivating", "inactive"),
-    Transition.TRANSITION_UNCONFIGURED_SHUTDOWN: ("shuttingdown", "finalized"),
-    Transition.TRANSITION_INACTIVE_SHUTDOWN: ("shuttingdown", "finalized"),
-    Transition.TRANSITION_ACTIVE_SHUTDOWN: ("shuttingdown", "finalized"),
+    Transition.TRANSITION_CONFIGURE: ("configure", "configuring", "inactive"),
+    Transition.TRANSITION_CLEANUP: ("cleanup", "cleaningup", "unconfigured"),
+    Transition.TRANSITION_ACTIVATE: ("activate", "activating", "active"),
+    Transition.TRANSITION_DEACTIVATE: ("deactivate", "deactivating", "inactive"),
+    Transition.TRANSITION_UNCONFIGURED_SHUTDOWN: ("shutdown", "shuttingdown", "finalized"),
+    Transition.TRANSITION_INACTIVE_SHUTDOWN: ("shutdown", "shuttingdown", "finalized"),
+    Transition.TRANSITION_ACTIVE_SHUTDOWN: ("shutdown", "shuttingdown", "finalized"),
 }
 
 
@@ -33,8 +34,8 @@ def emit(context: LaunchContext, event: Event) -> None:
     if isinstance(event, IncludeLaunchDescription):
         visit_all(event.launch_description, context)
     elif isinstance(event, ChangeState):
-        start, goal = _STATES.get(event.transition_id, ("", ""))
+        name, start, goal = _STATES.get(event.transition_id, ("", "", ""))
         nodes: list[Any] = context.get_locals_as_dict().get("lifecycle_nodes", [])
         for node in nodes:
             if event.lifecycle_node_matcher(node):
-                emit(context, StateTransition(action=node, start_state=start, goal_state=goal))
+                emit(context, StateTransition(action=node, start_state=start, goal_state=goal, asked=name))

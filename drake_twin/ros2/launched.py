@@ -75,6 +75,7 @@ class LaunchedProcess:
         ends: Whether the executable does its work and ends (``create``, ``spawner``, …), so that OnProcessExit fires.
         world: The simulator, where the kind is ``world``.
         container: A component's container, fully resolved.
+        not_done: The keywords of what the launch file asks for the process and the twin never does: ``cwd``, ….
     """
 
     kind: str
@@ -92,6 +93,7 @@ class LaunchedProcess:
     ends: bool = False
     world: WorldStart | None = None
     container: str | None = None
+    not_done: tuple[str, ...] = ()
 
     @property
     def full_name(self) -> str:

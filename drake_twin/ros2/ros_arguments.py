@@ -31,6 +31,17 @@ class RosArguments:
     parameters: tuple[Path | Mapping[str, ParameterValue], ...] = ()
     log_levels: tuple[tuple[str, str], ...] = ()
 
+    def before(self, others: "RosArguments") -> "RosArguments":
+        """Return these arguments with others that count where these say nothing."""
+        return RosArguments(
+            self.arguments,
+            self.name or others.name,
+            self.namespace or others.namespace,
+            self.remappings + others.remappings,  # the first rule that matches wins
+            others.parameters + self.parameters,  # the last value counts
+            self.log_levels + others.log_levels,
+        )
+
 
 def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     """Split a command line's arguments: ``--ros-args`` … ``--`` are rcl's, the others the executable's."""

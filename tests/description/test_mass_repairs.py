@@ -113,3 +113,67 @@ def test_a_link_that_is_welded_to_the_world_needs_no_mass():
 def test_a_joint_without_child_is_left_for_the_reader_to_refuse():
     body = link() + '<link name="arm"/><joint name="elbow" type="continuous"><parent link="base"/></joint>'
     assert mend(body)[1] == []
+
+
+def test_each_moment_of_a_mended_inertia_stands_where_it_belongs():
+    given = np.array([[9.0, 0.4, 0.3], [0.4, 1.0, -0.2], [0.3, -0.2, 2.0]])
+    values = (given[0, 0], given[0, 1], given[0, 2], given[1, 1], given[1, 2], given[2, 2])
+    root, (repair,) = mend(link(inside=INERTIAL.format(mass=2, inertia=INERTIA.format(*values))))
+    possible, _ = possible_inertia(2.0, given)
+    written = [
+        float(root.find("link/inertial/inertia").get(name)) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    ]
+    assert written == [possible[0, 0], possible[0, 1], possible[0, 2], possible[1, 1], possible[1, 2], possible[2, 2]]
+    assert len({round(abs(value), 6) for value in written}) == 6
+    assert "[inertia]" in repair
+
+
+def test_moments_that_are_not_given_are_zero():
+    root, (repair,) = mend(link(inside='<inertial><mass value="2"/><inertia ixx="1" iyy="1"/></inertial>'))
+    moments = np.linalg.eigvalsh(tensor(root))
+    assert moments == pytest.approx([1.0, 1.0, 0.0] if moments[0] > moments[-1] else [0.0, 1.0, 1.0], abs=1e-5)
+    assert "no body has the principal moments" in repair
+
+
+@pytest.mark.parametrize("inertia", ["", INERTIA.format(0, 0, 0, 0, 0, 0)])
+def test_an_empty_inertial_is_left_out_without_a_word(inertia):
+    arm_link = link("arm", INERTIAL.format(mass=0, inertia=inertia))
+    root, repairs = mend(f"{link()}\n{arm_link}\n{joint(kind='fixed')}")
+    assert repairs == []
+    assert len(root.findall("link/inertial")) == 1
+
+
+@pytest.mark.parametrize("mass", ["-1", "heavy", "nan"])
+def test_a_mass_that_is_none_is_left_for_the_reader_to_refuse(mass):
+    body = link(inside=INERTIAL.format(mass=mass, inertia=INERTIA.format(9, 0, 0, 1, 0, 1)))
+    root, _ = mend(body)
+    assert root.find("link/inertial/inertia").get("ixx") == "9"
+
+
+def test_who_gets_a_mass_is_who_moves_without_one():
+    """A root whose mass hangs on a joint gets one; a link between two joints leaves it to what it carries."""
+    links = "\n".join([link("base", ""), link("upper", ""), link("hand"), link("tool", ""), link("tip", "")])
+    joints = joint("shoulder", "continuous", "base", "upper") + joint("elbow", "continuous", "upper", "hand")
+    joints += joint("wrist", "continuous", "hand", "tool") + joint("end", "fixed", "tool", "tip")
+    root, repairs = mend(f"{links}\n{joints}")
+    heavy = {item.get("name") for item in root.iterfind("link") if item.find("inertial") is not None}
+    assert heavy == {"base", "hand", "tool"}
+    assert [text.partition(" moves")[0].rpartition('="')[2].rstrip('">') for text in repairs] == ["base", "tool"]
+
+
+def test_a_root_is_heavy_by_what_is_fixed_to_it_and_not_by_what_moves():
+    plate = f"{link('base', '')}\n{link('plate', '')}\n{link('block')}\n{link('arm')}\n"
+    fixed = joint("one", "fixed", "base", "plate") + joint("two", "fixed", "plate", "block")
+    assert mend(plate + fixed + joint("three", "continuous", "base", "arm"))[1] == []
+    moving = joint("one", "fixed", "base", "plate") + joint("two", "continuous", "plate", "block")
+    (repair,) = mend(plate + moving + joint("three", "continuous", "base", "arm"))[1]
+    assert '"base"' in repair
+
+
+def test_the_small_mass_replaces_every_inertial_of_the_link():
+    inside = "<inertial/>" + INERTIAL.format(mass=0, inertia="")
+    root, (repair,) = mend(f"{link()}\n{link('arm', inside)}\n{joint()}")
+    (inertial,) = root.findall("link[@name='arm']/inertial")
+    assert float(inertial.find("mass").get("value")) == 0.001
+    assert float(inertial.find("inertia").get("ixx")) == pytest.approx(0.4 * 0.001 * 0.01**2)
+    assert "[massless_link]" in repair

@@ -1,5 +1,6 @@
 """What the pages say works: their Python, their commands and the files that they have the reader save."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -31,6 +32,29 @@ def test_the_controller_that_contributors_are_shown_has_forty_lines():
     ][:1]
     assert file.file == "drake_twin/controllers/approach_controller.py"
     assert len([line for line in file.text.splitlines() if line]) <= 40
+
+
+# What draws each picture of the pages.
+DRAWN_BY = {
+    "diagrams/two_rovers.png": "tests/docs/draw_page.py",
+    "diagrams/two_rovers.svg": "drake_twin/diagram/picture.py",  # python -m drake_twin.run FILE --graphviz PICTURE
+    "drake_twin/docs/benchmarks_robots.svg": "drake_twin/benchmarks/plots.py",  # python -m drake_twin.benchmarks
+    "drake_twin/docs/benchmarks_precision.svg": "drake_twin/benchmarks/plots.py",
+}
+
+
+def test_every_picture_is_drawn_by_a_program_of_the_repository():
+    shown = {
+        str((page.parent / name).resolve().relative_to(ROOT))
+        for page in (ROOT / "README.md", *(ROOT / ".github").glob("*.md"), *DOCS.rglob("*.md"))
+        for name in re.findall(r"!\[[^\]]*\]\((?!https?:)([^)]+)\)", page.read_text(encoding="utf-8"))
+    }
+    there = {str(file.relative_to(ROOT)) for kind in ("*.png", "*.svg") for file in (ROOT / "diagrams").glob(kind)}
+    ready_made = [*(ROOT / "diagrams").glob("*.yaml"), *(ROOT / "diagrams").glob("*.launch.*")]
+    diagrams = {f"diagrams/{file.name.partition('.')[0]}.svg" for file in ready_made}  # tests/diagram compares them
+    assert shown == set(DRAWN_BY)
+    assert there == diagrams | {"diagrams/two_rovers.png"}
+    assert all((ROOT / program).is_file() for program in DRAWN_BY.values())
 
 
 def test_most_pages_have_something_to_run():

@@ -222,6 +222,26 @@ def test_nodes_of_a_launch_file(tmp_path, capsys):
     assert (values, last) == ("[True, 0.5, ['x']]", "plain")
 
 
+@pytest.mark.parametrize(
+    ("options", "keywords"),
+    [
+        ("cwd='/'", ["cwd"]),
+        ("prefix='xterm -e', respawn='True'", ["prefix", "respawn"]),
+        ("prefix='', respawn=False, emulate_tty=True, respawn_delay=2.0", []),
+    ],
+)
+def test_what_a_launch_file_asks_for_a_node_and_the_twin_does_not_do(tmp_path, options, keywords):
+    from drake_twin.builder.launch_file import launch_file_scenario
+
+    python_package(tmp_path, "greeter", "hello")
+    text = LAUNCH.format(urdf="<robot name='r'><link name='base'/></robot>", script="")
+    text = text.replace('arguments=["--fast"]', options)
+    scenario = launch_file_scenario(script(tmp_path, "greeter/launch/all.launch.py", text)).scenario
+    found = [item for item in scenario.findings if item.kind is Kind.IGNORED and "greeter/talk" in item.what]
+    assert [item.what.partition(" of greeter/talk: ")[0] for item in found] == keywords
+    assert all(item.lines == (13,) for item in found)
+
+
 def test_a_script_that_cmake_installs(tmp_path, capsys):
     package = tmp_path / "tools"
     script(package, "package.xml", PACKAGE_XML.format(name="tools"))

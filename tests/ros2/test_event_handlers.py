@@ -1,6 +1,8 @@
 import pytest
 from launch_files import launch_python
 
+from drake_twin.errors import InputError
+
 CHAIN = """
 create = Node(package="ros_gz_sim", executable="create", arguments=["-topic", "robot_description"])
 jsb = Node(package="controller_manager", executable="spawner", arguments=["joint_state_broadcaster"])
@@ -204,6 +206,41 @@ node = LifecycleNode(package="p", executable="e", name="n", namespace="")
 """,
     )
     assert launched.log == ("active",)
+
+
+LIFECYCLE = """
+from launch_ros.event_handlers import OnStateTransition
+from lifecycle_msgs.msg import Transition
+def node(**options):
+    return LifecycleNode(package="p", executable="e", name="n", namespace="a", **options)
+def on(**options):
+    text = " ".join(f"{key}={value}" for key, value in options.items())
+    return RegisterEventHandler(OnStateTransition(entities=[LogInfo(msg=text)], **options))
+handlers = [on(transition="configure"), on(transition="activate", start_state="activating"), on(transition="cleanup")]
+"""
+
+
+@pytest.mark.parametrize(
+    "entities",
+    [
+        "*handlers, node(), LifecycleTransition(lifecycle_node_names=['/a/n'], transition_ids=[1, '3'])",
+        "*handlers, node(autostart=True)",
+        "*handlers, node(autostart='true')",
+    ],
+)
+def test_transitions_are_asked_for_in_their_order_and_known_by_their_names(tmp_path, entities):
+    launched = launch_python(tmp_path, entities, LIFECYCLE)
+    assert launched.log == ("transition=configure", "transition=activate start_state=activating")
+
+
+def test_transitions_of_other_nodes_and_no_transitions(tmp_path):
+    other = "LifecycleTransition(lifecycle_node_names=['/b/n'], transition_ids=[1])"
+    assert launch_python(tmp_path, f"*handlers, node(), node(autostart=False), {other}", LIFECYCLE).log == ()
+    for empty in ("lifecycle_node_names=[], transition_ids=[1]", "lifecycle_node_names=['/n'], transition_ids=[]"):
+        with pytest.raises(InputError, match="provided"):
+            launch_python(tmp_path, f"LifecycleTransition({empty})")
+    with pytest.raises(InputError, match="'fast' is not a number"):
+        launch_python(tmp_path, "LifecycleTransition(lifecycle_node_names=['/n'], transition_ids=['fast'])")
 
 
 def test_a_process_that_sleeps_ends_in_simulation_time(tmp_path):

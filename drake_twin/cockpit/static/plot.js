@@ -1,9 +1,9 @@
 // A plot of numbers over simulation time by uPlot: axes, a legend that shows and hides curves, a cursor and zoom.
 // It is drawn at most once per animation frame, and only while it can be seen.
 
-import uPlot from "./uplot.js";
 import { element, formatted, oncePerFrame, setText } from "./dom.js";
 
+const { uPlot } = window; // uplot.js, its authors' build, which is a script and no module
 const KEPT = 3000; // samples of a curve
 const COLORS = 8; // --line-1 to --line-8; further lines are gray
 const CLOSER = 0.5;

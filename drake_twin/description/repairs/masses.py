@@ -1,7 +1,7 @@
 """Repairs of masses and inertias."""
 
 from collections.abc import Iterable, Mapping
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 from lxml import etree
@@ -29,7 +29,7 @@ def inertia(reader: XmlReader) -> Mended:
             if element is not None and any(number_or_none(element.get(name, "0")) for name in _MOMENTS):
                 yield link, f"{described(link)} has inertia but no mass: its inertia is removed"
             continue
-        if mass is None or mass < 0:
+        if mass is None or not 0 < mass < inf:
             continue  # refused where it is read
         if element is None:
             element = etree.SubElement(inertial, "inertia")
@@ -73,10 +73,10 @@ def massless_link(reader: XmlReader) -> Mended:
     heavy = [
         name
         for name, link in links.items()
-        if (mass := link.find("inertial/mass")) is not None and (number_or_none(mass.get("value")) or 0.0) > 0
+        if (mass := link.find("inertial/mass")) is not None and number_or_none(mass.get("value")) != 0
     ]
-    # A joint's child may leave the mass to what it carries; a floating root may turn about what it carries, so it, or
-    # what is fixed to it, must weigh something itself.
+    # What is not a mass is refused where it is read. A joint's child may leave the mass to what it carries; a floating
+    # root may turn about what it carries, so it, or what is fixed to it, must weigh something itself.
     carrying = _with_all_above(heavy, parents)
     roots = [name for name in links if name not in parents and name != "world"]
     light = [name for name in roots if name not in _with_all_above(heavy, rigid_parents)]

@@ -10,7 +10,11 @@ from drake_twin.nodes.rclpy.context import Context, default_context
 from drake_twin.nodes.rclpy.executors import Executor, SingleThreadedExecutors
 from drake_twin.nodes.rclpy.node import Node
 from drake_twin.nodes.rclpy.parameter import Parameter
-from drake_twin.nodes.rclpy.signals import SignalHandlerOptions
+from drake_twin.nodes.rclpy.signals import (
+    SignalHandlerOptions,
+    install_signal_handlers,
+    uninstall_signal_handlers,
+)
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown
 from drake_twin.nodes.task import present_task
@@ -26,12 +30,14 @@ __all__ = [
     "get_global_executor",
     "get_rmw_implementation_identifier",
     "init",
+    "install_signal_handlers",
     "ok",
     "shutdown",
     "spin",
     "spin_once",
     "spin_until_future_complete",
     "try_shutdown",
+    "uninstall_signal_handlers",
 ]
 
 

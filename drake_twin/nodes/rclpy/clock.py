@@ -1,11 +1,16 @@
 """Stand-in for ``rclpy.clock``: all clocks show simulation time."""
 
+from collections import deque
 from collections.abc import Callable
 from enum import IntEnum
+from math import inf
 from typing import Any
 
+from drake_twin.nodes.rclpy.callback_groups import ReentrantCallbackGroup
 from drake_twin.nodes.rclpy.clock_type import ClockType
+from drake_twin.nodes.rclpy.context import default_context
 from drake_twin.nodes.rclpy.duration import Duration
+from drake_twin.nodes.rclpy.exceptions import NotInitializedException
 from drake_twin.nodes.rclpy.time import Time
 from drake_twin.nodes.task import present_task
 
@@ -22,8 +27,20 @@ class ClockChange(IntEnum):
 class JumpThreshold:
     """How far a clock must jump for a callback."""
 
-    def __init__(self, *, min_forward: Any, min_backward: Any, on_clock_change: bool = True):
+    def __init__(self, *, min_forward: Duration | None, min_backward: Duration | None, on_clock_change: bool = True):
+        if min_forward is not None and min_forward.nanoseconds <= 0:
+            raise ValueError("min_forward must be a positive non-zero duration")
+        if min_backward is not None and min_backward.nanoseconds >= 0:
+            raise ValueError("min_backward must be a negative non-zero duration")
+        if min_forward is None and min_backward is None and not on_clock_change:
+            raise ValueError("At least one jump threshold must be enabled")
         self.min_forward, self.min_backward, self.on_clock_change = min_forward, min_backward, on_clock_change
+
+    def is_exceeded(self, delta: int) -> bool:
+        """Return whether a jump of some nanoseconds is so far; the source of time never changes here."""
+        forward, backward = self.min_forward, self.min_backward
+        is_forward = forward is not None and delta >= forward.nanoseconds
+        return is_forward or (backward is not None and delta <= backward.nanoseconds)
 
 
 class TimeJump:
@@ -36,8 +53,18 @@ class TimeJump:
 class JumpHandle:
     """Callbacks of a clock that jumps."""
 
-    def __init__(self, clock: "Clock", pre_callback: Any, post_callback: Any):
-        self._clock, self.pre_callback, self.post_callback = clock, pre_callback, post_callback
+    def __init__(self, *, clock: "Clock", threshold: JumpThreshold, pre_callback: Any, post_callback: Any):
+        self._clock, self._threshold = clock, threshold
+        self._pre_callback, self._post_callback = pre_callback, post_callback
+
+    def jump(self, delta: int) -> None:
+        """Call back after a jump of some nanoseconds, if it is far enough; ROS calls the first one before it."""
+        if not self._threshold.is_exceeded(delta):
+            return
+        if self._pre_callback is not None:
+            self._pre_callback()
+        if self._post_callback is not None:
+            self._post_callback(TimeJump(ClockChange.ROS_TIME_NO_CHANGE, Duration(nanoseconds=delta)))
 
     def unregister(self) -> None:
         if self in self._clock.jump_handles:
@@ -50,8 +77,39 @@ class JumpHandle:
         self.unregister()
 
 
+class Jumps:
+    """The jumps of a clock that an executor has still to tell its callbacks of.
+
+    Args:
+        clock: The clock.
+    """
+
+    def __init__(self, clock: "Clock"):
+        self._clock = clock
+        self._waiting: deque[int] = deque()
+        self.callback_group = ReentrantCallbackGroup()
+
+    def put(self, delta: int) -> None:
+        """Add a jump of some nanoseconds."""
+        self._waiting.append(delta)
+
+    def is_ready(self) -> bool:
+        return bool(self._waiting)
+
+    def due(self) -> float:
+        return inf
+
+    def execute(self) -> None:
+        delta = self._waiting.popleft()
+        for handle in list(self._clock.jump_handles):
+            handle.jump(delta)
+
+    def destroy(self) -> None:
+        self._waiting.clear()
+
+
 class Clock:
-    """A clock."""
+    """A clock; time jumps for that of a node, at a reset, and its callbacks are called at the node's next spin."""
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> "Clock":
         if not isinstance(clock_type, ClockType):
@@ -79,15 +137,19 @@ class Clock:
 
     def sleep_for(self, rel_time: Duration, context: Any = None) -> bool:
         """Sleep for a span of time; return whether it has passed."""
+        context = context or default_context()
+        if not context.is_valid:
+            raise NotInitializedException
         task = present_task()
         if rel_time.nanoseconds > 0:
-            task.sleep(max(task.after, task.now + rel_time.nanoseconds))
-        return True
+            until = max(task.after, task.now + rel_time.nanoseconds)
+            task.wait(lambda: not context.is_valid, until)
+        return bool(context.is_valid)
 
     def create_jump_callback(
         self, threshold: JumpThreshold, *, pre_callback: Callable[..., Any] | None = None, post_callback: Any = None
     ) -> JumpHandle:
-        handle = JumpHandle(self, pre_callback, post_callback)
+        handle = JumpHandle(clock=self, threshold=threshold, pre_callback=pre_callback, post_callback=post_callback)
         self.jump_handles.append(handle)
         return handle
 

@@ -14,11 +14,12 @@ class Context:
 
     def __init__(self) -> None:
         self.is_valid = False
+        self._domain_id = 0
         self.arguments = RosArguments(())
         self._callbacks: list[Callable[[], Any]] = []
 
     def init(
-        self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: Any = None
+        self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
         if self.is_valid:
             raise RuntimeError("Context.init() must only be called once")
@@ -26,6 +27,7 @@ class Context:
         for name, level in self.arguments.log_levels:
             set_logger_level(name, get_logging_severity_from_string(level))
         self.is_valid = True
+        self._domain_id = domain_id or 0
 
     def ok(self) -> bool:
         task = here()
@@ -49,7 +51,7 @@ class Context:
         self.try_shutdown()
 
     def get_domain_id(self) -> int:
-        return 0
+        return self._domain_id
 
     def __enter__(self) -> "Context":
         if not self.is_valid:

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-from drake_twin.nodes.rclpy.node import Node  # also by this name in rclpy
-from drake_twin.nodes.rclpy.publisher import Publisher
+from drake_twin.nodes.rclpy import node as rclpy_node
+from drake_twin.nodes.rclpy import publisher as rclpy_publisher
 
 
 class LifecycleState(NamedTuple):
@@ -63,7 +63,7 @@ class ManagedEntity:
         return TransitionCallbackReturn.SUCCESS
 
 
-class LifecyclePublisher(Publisher):
+class LifecyclePublisher(rclpy_publisher.Publisher):
     """A publisher that is silent while its node is not active."""
 
     is_activated = False
@@ -162,9 +162,13 @@ class LifecycleNodeMixin(ManagedEntity):
         return response
 
 
-class LifecycleNode(LifecycleNodeMixin, Node):
+class LifecycleNode(LifecycleNodeMixin, rclpy_node.Node):
     """A node with states."""
 
     def __init__(self, node_name: str, *, enable_communication_interface: bool = True, **options: Any):
-        Node.__init__(self, node_name, **options)
+        rclpy_node.Node.__init__(self, node_name, **options)
         LifecycleNodeMixin.__init__(self, enable_communication_interface=enable_communication_interface)
+
+
+# Their shorter names in rclpy.
+Node, NodeMixin, Publisher = LifecycleNode, LifecycleNodeMixin, LifecyclePublisher

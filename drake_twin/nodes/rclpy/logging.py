@@ -47,7 +47,7 @@ class RcutilsLogger:
         skip_first: bool = False,
         throttle_duration_sec: float | None = None,
         throttle_time_source_type: Any = None,
-        **_: Any,
+        name: str | None = None,
     ) -> bool:
         """Print a line, unless its level is too low or it comes too often."""
         if not self.is_enabled_for(severity):
@@ -72,8 +72,8 @@ class RcutilsLogger:
             ):
                 return False
             self._said[key] = now
-        name = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{self.name}"
-        say(f"[{LoggingSeverity(severity).name}] [{name}]: {message}", sys.stderr)
+        place = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{self.name if name is None else name}"
+        say(f"[{LoggingSeverity(severity).name}] [{place}]: {message}", sys.stderr)
         return True
 
     def debug(self, message: Any, **options: Any) -> bool:
@@ -124,16 +124,16 @@ def get_logger_effective_level(name: str) -> LoggingSeverity:
     return LoggingSeverity.INFO
 
 
-def get_logging_severity_from_string(name: str) -> LoggingSeverity:
+def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     """Return a level by its name.
 
     Raises:
         RuntimeError: If the name is unknown.
     """
-    if name.upper() not in LoggingSeverity.__members__:
+    if log_severity.upper() not in LoggingSeverity.__members__:
         levels = ", ".join(LoggingSeverity.__members__).lower()
-        raise RuntimeError(f"unknown log level {name!r}. Valid: {levels}")
-    return LoggingSeverity[name.upper()]
+        raise RuntimeError(f"unknown log level {log_severity!r}. Valid: {levels}")
+    return LoggingSeverity[log_severity.upper()]
 
 
 def initialize() -> None:

@@ -7,7 +7,7 @@ from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from drake_twin.nodes.rclpy.client import Client
-from drake_twin.nodes.rclpy.clock import Clock, ROSClock
+from drake_twin.nodes.rclpy.clock import Clock, Jumps, ROSClock
 from drake_twin.nodes.rclpy.context import Context, default_context
 from drake_twin.nodes.rclpy.exceptions import NotInitializedException
 from drake_twin.nodes.rclpy.guard_condition import GuardCondition
@@ -23,6 +23,7 @@ from drake_twin.nodes.rclpy.subscription import Subscription
 from drake_twin.nodes.rclpy.timer import Rate, Timer
 from drake_twin.nodes.rclpy.topic_endpoint_info import GraphQueries
 from drake_twin.nodes.task import present_task
+from drake_twin.ros2.ros_arguments import split_ros_arguments
 
 HIDDEN_NODE_PREFIX = "_"
 _Item = TypeVar("_Item")
@@ -40,7 +41,6 @@ class Node(NodeParameters, GraphQueries):
         namespace: str | None = None,
         use_global_arguments: bool = True,
         enable_rosout: bool = True,
-        rosout_qos_profile: Any = None,
         start_parameter_services: bool = True,
         parameter_overrides: list[Parameter] | None = None,
         allow_undeclared_parameters: bool = False,
@@ -51,7 +51,11 @@ class Node(NodeParameters, GraphQueries):
         if not self._context.is_valid:
             raise NotInitializedException("cannot create node")
         program = present_task().program
-        arguments = self._context.arguments
+        arguments = split_ros_arguments(cli_args or ())
+        if use_global_arguments:
+            arguments = arguments.before(self._context.arguments)
+        if enable_logger_service:
+            program.ignored("enable_logger_service: the twin has no services for the levels of loggers")
         self._arguments = arguments
         self._name = check_node_name(arguments.name or node_name)
         self._namespace = check_namespace(arguments.namespace or namespace or "")
@@ -63,6 +67,7 @@ class Node(NodeParameters, GraphQueries):
         NodeParameters.__init__(self, given, allow_undeclared_parameters)
         self._logger = RcutilsLogger(self._full.strip("/").replace("/", "."))
         self._clock = ROSClock()
+        self._jumps = Jumps(self._clock)
         self._default_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
         self.timers_of_clock: list[Timer] = []
         self._subscriptions: list[Subscription] = []
@@ -82,6 +87,7 @@ class Node(NodeParameters, GraphQueries):
             self._descriptors["use_sim_time"] = None  # made when it is asked for
         if automatically_declare_parameters_from_overrides:
             self.declare_parameters("", [(name, value) for name, value in given.items() if name != "use_sim_time"])
+        self.add_waitable(self._jumps)
         if start_parameter_services:
             ParameterService(self, self._graph)
 
@@ -174,6 +180,7 @@ class Node(NodeParameters, GraphQueries):
         publisher_class: type[Publisher] = Publisher,
     ) -> Publisher:
         name = self.resolve_topic_name(topic)
+        _tell_ignored(event_callbacks, qos_overriding_options)
         publisher = publisher_class(self._graph, msg_type, name, profile_of(qos_profile), self._full)
         self._publishers.append(publisher)
         return publisher
@@ -189,10 +196,10 @@ class Node(NodeParameters, GraphQueries):
         event_callbacks: Any = None,
         qos_overriding_options: Any = None,
         raw: bool = False,
-        content_filter_options: Any = None,
     ) -> Subscription:
         name, group = self.resolve_topic_name(topic), callback_group or self._default_group
         qos = profile_of(qos_profile)
+        _tell_ignored(event_callbacks, qos_overriding_options)
         item = Subscription(self._graph, msg_type, name, callback, group, qos, raw, self._full)
         self._subscriptions.append(item)
         return self._added(item)
@@ -336,7 +343,8 @@ class Node(NodeParameters, GraphQueries):
 
     # -----------------------------------------------------------------------------------------------------------------
 
-    def _jump(self) -> None:
+    def _jump(self, by: int) -> None:
+        self._jumps.put(by)
         for timer in self.timers_of_clock:
             timer.jump()
 
@@ -361,6 +369,14 @@ class Node(NodeParameters, GraphQueries):
             return False
         item.destroy()
         return True
+
+
+def _tell_ignored(event_callbacks: Any, qos_overriding_options: Any) -> None:
+    program = present_task().program
+    if event_callbacks is not None:
+        program.ignored("event_callbacks: no event of quality of service happens in the twin")
+    if qos_overriding_options is not None:
+        program.ignored("qos_overriding_options: the profile that the program gives counts")
 
 
 _KINDS = (Timer, Subscription, GuardCondition, Client, Service)

@@ -29,6 +29,7 @@ class NodeParameters:
         self._overrides, self._allow_undeclared = overrides, allow_undeclared
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, Any] = {}
+        self._pre_set: list[Callable[[list[Parameter]], list[Parameter]]] = []
         self._on_set: list[Callable[[list[Parameter]], _Result]] = []
         self._post_set: list[Callable[[list[Parameter]], None]] = []
 
@@ -135,12 +136,21 @@ class NodeParameters:
         return [self.describe_parameter(name) for name in names]
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[_Result]:
-        self._check_declared(parameter_list)
-        return [self._set([parameter]) for parameter in parameter_list]
+        _check_types(parameter_list)
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
 
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]) -> _Result:
-        self._check_declared(parameter_list)
-        return self._set(list(parameter_list))
+        _check_types(parameter_list)
+        given = list(parameter_list)
+        if self._pre_set:
+            given = [parameter for callback in self._pre_set for parameter in callback(list(parameter_list))]
+            if not given:
+                text = "parameter list cannot be empty, this might be due to pre_set_parameters_callback modifying"
+                return message_class("rcl_interfaces/msg/SetParametersResult")(
+                    successful=False, reason=f"{text} the original parameters list."
+                )
+        self._check_declared(given)
+        return self._set(given)
 
     def list_parameters(self, prefixes: Sequence[str], depth: int) -> Any:
         list_parameters_result = message_class("rcl_interfaces/msg/ListParametersResult")
@@ -162,16 +172,19 @@ class NodeParameters:
     def add_post_set_parameters_callback(self, callback: Callable[[list[Parameter]], None]) -> None:
         self._post_set.insert(0, callback)
 
-    def add_pre_set_parameters_callback(self, callback: Callable[..., Any]) -> None:
-        """Not called: no caller changes what it sets."""
+    def remove_post_set_parameters_callback(self, callback: Callable[[list[Parameter]], None]) -> None:
+        self._post_set.remove(callback)
+
+    def add_pre_set_parameters_callback(self, callback: Callable[[list[Parameter]], list[Parameter]]) -> None:
+        self._pre_set.insert(0, callback)
+
+    def remove_pre_set_parameters_callback(self, callback: Callable[[list[Parameter]], list[Parameter]]) -> None:
+        self._pre_set.remove(callback)
 
     def set_parameters_callback(self, callback: Callable[[list[Parameter]], _Result]) -> None:
         self._on_set = [callback]
 
     def _check_declared(self, parameters: Sequence[Parameter]) -> None:
-        for parameter in parameters:
-            if not isinstance(parameter, Parameter):
-                raise TypeError("parameter must be instance of type 'rclpy.parameter.Parameter'")
         unknown = [item.name for item in parameters if item.name not in self._parameters]
         if unknown and not self._allow_undeclared:
             raise ParameterNotDeclaredException(unknown)
@@ -209,6 +222,12 @@ class NodeParameters:
             if not result.successful:
                 return result
         return set_parameters_result(successful=True)
+
+
+def _check_types(parameters: Sequence[Parameter]) -> None:
+    for parameter in parameters:
+        if not isinstance(parameter, Parameter):
+            raise TypeError("parameter must be instance of type 'rclpy.parameter.Parameter'")
 
 
 def _out_of_range(parameter: Parameter, descriptor: Any) -> str:

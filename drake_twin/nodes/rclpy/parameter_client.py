@@ -12,8 +12,10 @@ class AsyncParameterClient:
     def __init__(self, node: Any, remote_node_name: str, qos_profile: Any = None, callback_group: Any = None):
         from rcl_interfaces import srv
 
+        options = {"qos_profile": qos_profile, "callback_group": callback_group}
+
         def client(name: str, kind: Any) -> Any:
-            return node.create_client(kind, f"{remote_node_name}/{name}", callback_group=callback_group)
+            return node.create_client(kind, f"{remote_node_name}/{name}", **options)
 
         self._srv = srv
         self._get = client("get_parameters", srv.GetParameters)

@@ -62,7 +62,7 @@ class Service:
         reply(interfaces.to_wire(response))
 
     def send_response(self, response: Any, header: Any) -> None:
-        """Not needed: the callback's return value is the response."""
+        raise NotImplementedError("Service.send_response: in the twin, what a service's callback returns is its answer")
 
     def destroy(self) -> None:
         self._graph.withdraw(self._offer)

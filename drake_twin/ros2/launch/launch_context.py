@@ -99,13 +99,13 @@ class LaunchContext:
         """None: evaluation is synchronous."""
         return None
 
-    def perform_substitution(self, subst: Any) -> str:
+    def perform_substitution(self, substitution: Any) -> str:
         """Return the text of a substitution, or of anything that ROS takes for a text.
 
         Raises:
             TypeError: If it is something else.
         """
-        parts = list(text_parts(subst))
+        parts = list(text_parts(substitution))
         return "".join(part if isinstance(part, str) else str(part.perform(self)) for part in parts)
 
     def extend_locals(self, extensions: Mapping[str, Any]) -> None:

@@ -135,7 +135,17 @@ class ActionClient:
     """Sends goals to an action."""
 
     def __init__(
-        self, node: Any, action_type: Any, action_name: str, *, callback_group: Any = None, **qos_profiles: Any
+        self,
+        node: Any,
+        action_type: Any,
+        action_name: str,
+        *,
+        callback_group: Any = None,
+        goal_service_qos_profile: Any = None,
+        result_service_qos_profile: Any = None,
+        cancel_service_qos_profile: Any = None,
+        feedback_sub_qos_profile: Any = None,
+        status_sub_qos_profile: Any = None,
     ):
         self.node, self.action_type = node, action_type
         self.callback_group = callback_group or node.default_callback_group

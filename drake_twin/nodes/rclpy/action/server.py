@@ -89,13 +89,13 @@ class ServerGoalHandle:
             raise TypeError(f"Expected {kind}, got {type(feedback)}")
         self._server.post(partial(self._listener.heard, interfaces.to_wire(feedback)))
 
-    def succeed(self, response: Any = None) -> None:
+    def succeed(self) -> None:
         self._end(SUCCEEDED)
 
-    def abort(self, response: Any = None) -> None:
+    def abort(self) -> None:
         self._end(ABORTED)
 
-    def canceled(self, response: Any = None) -> None:
+    def canceled(self) -> None:
         self._end(CANCELED)
 
     def destroy(self) -> None:
@@ -139,8 +139,12 @@ class ActionServer:
         goal_callback: Callable[[Any], Any] = default_goal_callback,
         handle_accepted_callback: Callable[[Any], Any] = default_handle_accepted_callback,
         cancel_callback: Callable[[Any], Any] = default_cancel_callback,
+        goal_service_qos_profile: Any = None,
+        result_service_qos_profile: Any = None,
+        cancel_service_qos_profile: Any = None,
+        feedback_pub_qos_profile: Any = None,
+        status_pub_qos_profile: Any = None,
         result_timeout: int = 900,
-        **qos_profiles: Any,
     ):
         if not callable(execute_callback):
             raise TypeError("Failed to register goal execution callback: not callable")
@@ -210,10 +214,10 @@ class ActionServer:
         """Let something happen in the next slot."""
         self._actions.post(act)
 
-    def notify_execute(self, handle: ServerGoalHandle, execute_callback: Callable[[Any], Any] | None) -> None:
+    def notify_execute(self, goal_handle: ServerGoalHandle, execute_callback: Callable[[Any], Any] | None) -> None:
         """Execute a goal at the next spin."""
         callback = execute_callback or self._execute_callback
-        self._ros_node.executor.create_task(self._execute_goal, callback, handle)
+        self._ros_node.executor.create_task(self._execute_goal, callback, goal_handle)
 
     def forget(self, key: bytes) -> None:
         """Forget a goal."""
@@ -237,8 +241,8 @@ class ActionServer:
     def register_goal_callback(self, goal_callback: Callable[[Any], Any] | None) -> None:
         self._goal_callback = goal_callback or default_goal_callback
 
-    def register_handle_accepted_callback(self, callback: Callable[[Any], Any] | None) -> None:
-        self._accepted_callback = callback or default_handle_accepted_callback
+    def register_handle_accepted_callback(self, handle_accepted_callback: Callable[[Any], Any] | None) -> None:
+        self._accepted_callback = handle_accepted_callback or default_handle_accepted_callback
 
     def register_cancel_callback(self, cancel_callback: Callable[[Any], Any] | None) -> None:
         self._cancel_callback = cancel_callback or default_cancel_callback

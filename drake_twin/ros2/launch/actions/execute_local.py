@@ -18,12 +18,9 @@ from drake_twin.ros2.launched import (
     LaunchedProcess,
 )
 from drake_twin.ros2.visiting import visit_list
+from drake_twin.ros2.without_effect import parameters_without_effect
 
-# The keywords that ROS knows and the twin ignores, as it starts no process; and others of nodes, to be named.
-_IGNORED = (
-    *("sigterm_timeout", "sigkill_timeout", "emulate_tty", "output_format", "cached_output", "log_cmd"),
-    *("respawn_delay", "respawn_max_retries"),
-)
+_IGNORED = parameters_without_effect("launch.actions.ExecuteLocal")
 _USED = (
     *("package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments", "cmd"),
     *("output", "on_exit", "respawn", "condition", "prefix", "cwd", "env", "additional_env", "shell"),
@@ -38,7 +35,7 @@ class ExecuteLocal(Action):
         shell: Whether the words are one shell command.
         output: Where its lines go.
         on_exit: Actions for when it has ended.
-        respawn: As in ROS; unused.
+        respawn: Whether it is to be started again when it ends, which the twin does not do.
         condition: A condition, or None.
     """
 
@@ -145,7 +142,16 @@ class ExecuteLocal(Action):
             environment=self.own_environment(context),
             output=self.performed_output(context),
             ends=command_ends(words),
+            not_done=self.not_done(context),
         )
+
+    def not_done(self, context: LaunchContext) -> tuple[str, ...]:
+        """Return the keywords of what it asks for and the twin does for no process."""
+        described = self.process_description
+        given = {"cwd": described.cwd, "prefix": described.prefix}
+        found = [name for name, value in given.items() if value is not None and context.perform_substitution(value)]
+        respawn = self.respawn if isinstance(self.respawn, bool) else context.perform_substitution(self.respawn)
+        return (*found, "respawn") if str(respawn).lower() in ("true", "1") else tuple(found)
 
     def own_environment(self, context: LaunchContext) -> dict[str, str | None]:
         """Return the variables that only this process has."""

@@ -42,7 +42,6 @@ class RunningProcessEvent(Event):
         cwd: str | None = None,
         env: Any = None,
         pid: int = 0,
-        **more: Any,
     ):
         self.action = action
         self.process_name = name

@@ -7,13 +7,13 @@ from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch.substitutions.text_substitution import TextSubstitution
 
 
-def parse_substitution(text: str) -> list[Substitution]:
+def parse_substitution(string_value: str) -> list[Substitution]:
     """Return text with ``$(…)`` in it as a list of substitutions.
 
     Raises:
         InputError: If a parenthesis is missing, or a substitution is unknown or has wrong arguments.
     """
-    parts, _ = _parse(text, 0, end="")
+    parts, _ = _parse(string_value, 0, end="")
     return parts or [TextSubstitution(text="")]
 
 

@@ -1,7 +1,19 @@
 """The source of an XML or YAML launch file."""
 
-from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
+from typing import Any
 
-__all__ = ["FrontendLaunchDescriptionSource"]
+from drake_twin.ros2.launch.launch_description_source import LaunchDescriptionSource
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 
-FrontendLaunchDescriptionSource = AnyLaunchDescriptionSource
+
+class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
+    """An XML or YAML launch file, which is read by its name."""
+
+    def __init__(
+        self,
+        launch_file_path: SomeSubstitutionsType,
+        *,
+        method: str = "interpreted frontend launch file",
+        parser: Any = None,
+    ):
+        super().__init__(None, launch_file_path, method)

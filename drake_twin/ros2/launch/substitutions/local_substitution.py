@@ -10,6 +10,11 @@ class LocalSubstitution(Substitution):
 
     def __init__(self, expression: str, description: str | None = None):
         self.expression = expression
+        self.description = description
+
+    def describe(self) -> str:
+        """Return what it stands for, in words."""
+        return f"LocalVar('{self.description or self.expression}')"
 
     def perform(self, context: LaunchContext) -> str:
         """Return the value.

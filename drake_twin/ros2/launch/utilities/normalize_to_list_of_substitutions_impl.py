@@ -5,10 +5,10 @@ from drake_twin.ros2.launch.substitutions.text_substitution import TextSubstitut
 from drake_twin.ros2.text_parts import text_parts
 
 
-def normalize_to_list_of_substitutions(subst: SomeSubstitutionsType) -> list[Substitution]:
+def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Substitution]:
     """Return text, a path, a substitution or nested lists of them as a list of substitutions.
 
     Raises:
         TypeError: If it is something else.
     """
-    return [TextSubstitution(text=part) if isinstance(part, str) else part for part in text_parts(subst)]
+    return [TextSubstitution(text=part) if isinstance(part, str) else part for part in text_parts(subs)]

@@ -171,4 +171,5 @@ class Node(ExecuteLocal):
             environment=self.own_environment(context),
             output=self.performed_output(context),
             ends=node_ends(executable),
+            not_done=self.not_done(context),
         )

@@ -27,6 +27,7 @@ class OnStateTransition(OnActionEventBase):
         **more: Any,
     ):
         super().__init__(action_matcher=target_lifecycle_node, on_event=entities, **more)
+        self._transition = transition
         self._goal_state = goal_state
         self._start_state = start_state
         self._matcher = matcher
@@ -36,5 +37,7 @@ class OnStateTransition(OnActionEventBase):
         if not super().matches(event):
             return False
         if self._matcher is not None and not self._matcher(event):
+            return False
+        if self._transition not in (None, event.transition, event.asked):
             return False
         return self._goal_state in (None, event.goal_state) and self._start_state in (None, event.start_state)

@@ -20,12 +20,23 @@ class ChangeState(Event):
 
 
 class StateTransition(Event):
-    """A lifecycle node has changed its state."""
+    """A lifecycle node has changed its state: the two events of ROS, of its beginning and of its end, in one.
+
+    Attributes:
+        action: The node.
+        start_state: The state that it goes through, such as ``configuring``.
+        goal_state: The state that it ends in.
+        transition: The name of the event of its end.
+        asked: The name of the event of its beginning, such as ``configure``.
+    """
 
     name = "launch_ros.events.lifecycle.StateTransition"
 
-    def __init__(self, *, action: Any, msg: Any = None, start_state: str = "", goal_state: str = ""):
+    transition = "transition_success"
+
+    def __init__(self, *, action: Any, msg: Any = None, start_state: str = "", goal_state: str = "", asked: str = ""):
         self.action = action
         self.msg = msg
+        self.asked = asked
         self.start_state = start_state
         self.goal_state = goal_state

@@ -1,0 +1,159 @@
+"""What ROS's Python modules accept in the twin without an effect, each with the reason: the one list of it.
+
+A member, or a parameter of a member in parentheses, stands here under the name by which it is imported. What a program
+would miss is not listed: it raises ``NotImplementedError``, or becomes a finding. A test fails for a member of a
+stand-in that does nothing, and for a parameter that nothing reads, if it is not here.
+"""
+
+from collections.abc import Mapping
+
+_BY_REASON: Mapping[str, tuple[str, ...]] = {
+    "the twin ends its nodes, as Ctrl-C would": (
+        "launch.actions.ExecuteLocal(sigkill_timeout)",
+        "launch.actions.ExecuteLocal(sigterm_timeout)",
+        "rclpy.init(signal_handler_options)",
+        "rclpy.install_signal_handlers",
+        "rclpy.install_signal_handlers(options)",
+        "rclpy.shutdown(uninstall_handlers)",
+        "rclpy.uninstall_signal_handlers",
+    ),
+    "it changes only what is printed": (
+        "launch.actions.ExecuteLocal(cached_output)",
+        "launch.actions.ExecuteLocal(emulate_tty)",
+        "launch.actions.ExecuteLocal(log_cmd)",
+        "launch.actions.ExecuteLocal(output_format)",
+        "launch_ros.actions.Node(exec_name)",
+        "rclpy.logging.set_logger_level(detailed_error)",
+    ),
+    "a node is started once": (
+        "launch.actions.ExecuteLocal(respawn_delay)",
+        "launch.actions.ExecuteLocal(respawn_max_retries)",
+    ),
+    "nothing starts after a shutdown": ("launch.actions.TimerAction(cancel_on_shutdown)",),
+    "a launch file is evaluated at once, and nothing is left to wait for": (
+        "launch.LaunchContext.add_completion_future",
+        "launch.LaunchContext.add_completion_future(completion_future)",
+        "launch.LaunchDescriptionEntity.get_asyncio_future",
+        "launch.actions.ExecuteLocal.get_asyncio_future",
+        "launch.actions.OpaqueCoroutine.get_asyncio_future",
+        "launch.actions.TimerAction.get_asyncio_future",
+    ),
+    "nobody is asked while a launch file is evaluated": ("launch.LaunchContext(noninteractive)",),
+    "no process of the launch has a number": (
+        "launch.events.process.matches_pid(pid)",
+        "launch.events.process.SignalProcess(signal_number)",
+    ),
+    "a base class does nothing by itself": (
+        "launch.Action.execute",
+        "launch.Action.execute(context)",
+        "launch.LaunchDescriptionEntity.visit",
+        "launch.LaunchDescriptionEntity.visit(context)",
+        "launch.Substitution.perform",
+        "launch.Substitution.perform(context)",
+    ),
+    "its result does not depend on it": (
+        "launch.LaunchDescription.visit(context)",
+        "launch.substitutions.TextSubstitution.perform(context)",
+        "rclpy.action.server.default_cancel_callback(cancel_request)",
+        "rclpy.action.server.default_goal_callback(goal_request)",
+        "rclpy.callback_groups.MutuallyExclusiveCallbackGroup.can_execute(entity)",
+        "rclpy.callback_groups.MutuallyExclusiveCallbackGroup.ending_execution(entity)",
+        "rclpy.callback_groups.ReentrantCallbackGroup.beginning_execution",
+        "rclpy.callback_groups.ReentrantCallbackGroup.beginning_execution(entity)",
+        "rclpy.callback_groups.ReentrantCallbackGroup.can_execute",
+        "rclpy.callback_groups.ReentrantCallbackGroup.can_execute(entity)",
+        "rclpy.callback_groups.ReentrantCallbackGroup.ending_execution",
+        "rclpy.callback_groups.ReentrantCallbackGroup.ending_execution(entity)",
+        "rclpy.lifecycle.LifecycleNodeMixin.on_activate(state)",
+        "rclpy.lifecycle.LifecycleNodeMixin.on_cleanup(state)",
+        "rclpy.lifecycle.LifecycleNodeMixin.on_configure(state)",
+        "rclpy.lifecycle.LifecycleNodeMixin.on_deactivate(state)",
+        "rclpy.lifecycle.LifecycleNodeMixin.on_error(state)",
+        "rclpy.lifecycle.LifecycleNodeMixin.on_shutdown(state)",
+        "rclpy.lifecycle.ManagedEntity.on_activate(state)",
+        "rclpy.lifecycle.ManagedEntity.on_cleanup(state)",
+        "rclpy.lifecycle.ManagedEntity.on_configure(state)",
+        "rclpy.lifecycle.ManagedEntity.on_deactivate(state)",
+        "rclpy.lifecycle.ManagedEntity.on_error(state)",
+        "rclpy.lifecycle.ManagedEntity.on_shutdown(state)",
+    ),
+    "the value is read as its type where it is used": (
+        "launch.utilities.type_utils.normalize_typed_substitution(data_type)",
+    ),
+    "the file's name tells how it is read": (
+        "launch.launch_description_sources.FrontendLaunchDescriptionSource(parser)",
+    ),
+    "every component of a container is loaded alike": ("launch_ros.descriptions.ComposableNode(extra_arguments)",),
+    "an exact copy of every message arrives at the next step": (
+        "rclpy.node.Node.create_client(qos_profile)",
+        "rclpy.node.Node.create_service(qos_profile)",
+        "rclpy.action.ActionClient(cancel_service_qos_profile)",
+        "rclpy.action.ActionClient(feedback_sub_qos_profile)",
+        "rclpy.action.ActionClient(goal_service_qos_profile)",
+        "rclpy.action.ActionClient(result_service_qos_profile)",
+        "rclpy.action.ActionClient(status_sub_qos_profile)",
+        "rclpy.action.ActionServer(cancel_service_qos_profile)",
+        "rclpy.action.ActionServer(feedback_pub_qos_profile)",
+        "rclpy.action.ActionServer(goal_service_qos_profile)",
+        "rclpy.action.ActionServer(result_service_qos_profile)",
+        "rclpy.action.ActionServer(status_pub_qos_profile)",
+        "rclpy.publisher.Publisher.assert_liveliness",
+        "rclpy.publisher.Publisher.wait_for_all_acked",
+        "rclpy.publisher.Publisher.wait_for_all_acked(timeout)",
+        "rclpy.qos.QoSProfile(deadline)",
+        "rclpy.qos.QoSProfile(lifespan)",
+        "rclpy.qos.QoSProfile(liveliness)",
+        "rclpy.qos.QoSProfile(liveliness_lease_duration)",
+    ),
+    "every message arrives: profiles that do not match, which ROS would not connect, are not looked for": (
+        "rclpy.qos.QoSProfile(reliability)",
+    ),
+    "a topic has its ROS name everywhere": (
+        "rclpy.node.Node.get_publisher_names_and_types_by_node(no_demangle)",
+        "rclpy.node.Node.get_publishers_info_by_topic(no_mangle)",
+        "rclpy.node.Node.get_subscriber_names_and_types_by_node(no_demangle)",
+        "rclpy.node.Node.get_subscriptions_info_by_topic(no_mangle)",
+        "rclpy.node.Node.get_topic_names_and_types(no_demangle)",
+        "rclpy.qos.QoSProfile(avoid_ros_namespace_conventions)",
+    ),
+    "a result is kept as long as its server": ("rclpy.action.ActionServer(result_timeout)",),
+    "a publisher has no callbacks but those of events": ("rclpy.node.Node.create_publisher(callback_group)",),
+    "the lines of loggers are printed, and the graph has no /rosout": ("rclpy.node.Node(enable_rosout)",),
+    "all clocks show simulated time": (
+        "rclpy.clock.ROSClock(clock_type)",
+        "rclpy.impl.rcutils_logger.RcutilsLogger.log(throttle_time_source_type)",
+    ),
+    "one thread of a program runs at a time, and none has to be waited for": (
+        "rclpy.executors.Executor.shutdown(timeout_sec)",
+    ),
+    "the context is the node's": (
+        "rclpy.guard_condition.GuardCondition(context)",
+        "rclpy.timer.Timer(context)",
+    ),
+    "loggers need no set-up": (
+        "rclpy.Context.init(initialize_logging)",
+        "rclpy.logging.clear_config",
+        "rclpy.logging.initialize",
+        "rclpy.logging.shutdown",
+    ),
+    "a program has one default context": ("rclpy.get_default_context(shutting_down)",),
+}
+
+# Parameters that become a finding with the program's line, or the launch file's, where they are given.
+AS_FINDINGS = (
+    "launch.actions.ExecuteLocal(respawn)",
+    "launch.actions.ExecuteProcess(cwd)",
+    "launch.actions.ExecuteProcess(prefix)",
+    "rclpy.node.Node(enable_logger_service)",
+    "rclpy.node.Node.create_publisher(event_callbacks)",
+    "rclpy.node.Node.create_publisher(qos_overriding_options)",
+    "rclpy.node.Node.create_subscription(event_callbacks)",
+    "rclpy.node.Node.create_subscription(qos_overriding_options)",
+)
+WITHOUT_EFFECT: Mapping[str, str] = {name: reason for reason, names in _BY_REASON.items() for name in names}
+
+
+def parameters_without_effect(member: str) -> tuple[str, ...]:
+    """Return the parameters of a class or function that it accepts without an effect."""
+    start = f"{member}("
+    return tuple(name[len(start) : -1] for name in WITHOUT_EFFECT if name.startswith(start))

@@ -1,0 +1,56 @@
+"""Draws the picture of the page that the README shows: ``python tests/docs/draw_page.py diagrams/two_rovers.png``.
+
+Two rovers drive for 9 s; the camera follows one, a wheel's position is in a plot, and time stands still at the end.
+"""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # of the tests' own modules
+
+from chromium import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
+
+from drake_twin import Twin, show
+from drake_twin.description.package_index import share_folder
+from drake_twin.scenario.scenario_file import ScenarioFile
+
+SIZE = {"width": 1280, "height": 800}
+END = 8.9  # s of simulation
+WHEEL = "robot_1_front_left_wheel_joint"
+
+
+def draw(file: Path) -> None:
+    """Draw the page of two rovers into a PNG."""
+    from playwright.sync_api import sync_playwright
+
+    twin = Twin(ScenarioFile.read(share_folder("diagrams") / "two_rovers.yaml").scenario)
+    with sync_playwright() as playwright, show(twin) as page:
+        options = [item for item in SOFTWARE_RENDERING + OFFLINE if "antialiasing" not in item]
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
+        tab = browser.new_page(viewport=SIZE)
+        tab.goto(page.url)
+        _run(twin, lambda: tab.locator("body.ready").count() == 1)
+        robot = tab.locator(".robot[data-robot=robot_1]")
+        states = robot.locator("summary", has_text="Joint states")
+        states.click()
+        _run(twin, lambda: robot.get_by_title(f"Plot {WHEEL}").count() == 1)
+        robot.get_by_title(f"Plot {WHEEL}").click()
+        states.click()
+        tab.get_by_label("Camera follows").select_option("robot_1")
+        tab.evaluate("for (const item of document.querySelectorAll('*')) item.scrollTop = 0")
+        _run(twin, lambda: twin.time >= END)
+        tab.locator("#play").click()
+        _run(twin, lambda: twin.paused)
+        _run(twin, lambda: tab.get_by_text("paused").count() >= 1)
+        tab.mouse.move(0, SIZE["height"] - 1)
+        tab.screenshot(path=file)
+        browser.close()
+
+
+def _run(twin: Twin, until: Callable[[], bool]) -> None:
+    twin.run(each_frame=lambda: not until())
+
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]))
