@@ -30,7 +30,7 @@ from drake_twin.description.hull import corners_of, planes_of, without_slivers
 from drake_twin.description.mesh_triangles import hull_name
 from drake_twin.diagram.contact_shapes import ContactShape
 
-_NAME = "yielding shape"
+_NAME, _HARD_NAME = "yielding shape", "hard shape"
 _SQUARES = 3  # along the sides of a box
 _MORE_SQUARES = 4
 _LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
@@ -94,14 +94,13 @@ def divided(shape: ContactShape) -> Shape:
     """Return a shape that does not yield with fine triangles: a finger's pad is smaller than the facets of a crate."""
     form = shape.shape
     if isinstance(form, Box):
-        corners = np.array(list(product((-0.5, 0.5), repeat=3))) * form.size()
-        return _mesh(_fine_surface(Convex(np.ascontiguousarray(corners.T), "box")), "hard shape", ".obj")
+        return _mesh(_fine_surface(*_box_surface(form.size())), _HARD_NAME, ".obj")
     if not isinstance(form, Convex):
         return form
     source, scale = form.source(), tuple(form.scale3().tolist())
     if source.is_path():
         return _mesh(_fine_surface_of_file(str(source.path()), scale), hull_name(source.path(), scale), ".obj")
-    return _mesh(_fine_surface(form), "hard shape", ".obj")
+    return _mesh(_fine_surface(*_surface(form)[:2]), _HARD_NAME, ".obj")
 
 
 def _mesh(text: str, name: str = _NAME, extension: str = ".vtk") -> Mesh:
@@ -148,12 +147,21 @@ def _surface(shape: Convex) -> tuple[np.ndarray, list[Triangle], bool]:
 
 @lru_cache(maxsize=1024)
 def _fine_surface_of_file(path: str, scale: tuple[float, ...]) -> str:
-    return _fine_surface(Convex(path, np.array(scale)))
+    return _fine_surface(*_surface(Convex(path, np.array(scale)))[:2])
 
 
-def _fine_surface(shape: Convex) -> str:
-    """Return the surface of a hull with fine triangles as OBJ text."""
-    points, triangles, _ = _surface(shape)
+def _box_surface(size: np.ndarray) -> tuple[np.ndarray, list[Triangle]]:
+    """Return the corners (8×3, m) and triangles of a box."""
+    corners = {signs: number for number, signs in enumerate(product((-1, 1), repeat=3))}
+    triangles: list[Triangle] = []
+    for axis, side in product(range(3), (-1, 1)):
+        a, b, c, d = _around(corners, axis, side)[::side]
+        triangles += [(a, b, c), (a, c, d)]
+    return 0.5 * np.array(list(corners)) * size, triangles
+
+
+def _fine_surface(points: np.ndarray, triangles: list[Triangle]) -> str:
+    """Return a surface (n×3, m) with fine triangles as OBJ text."""
     _, middle, largest = sorted(np.ptp(points, axis=0).tolist())
     points, triangles = _refined(points, triangles, max(_LONGEST_HARD * middle, _SHORTEST_HARD * largest))
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]

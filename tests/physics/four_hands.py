@@ -103,7 +103,7 @@ def _robotiq() -> Hand:
         end, middle = (f"0 {side * crank[0] * part} {-crank[1] * part}" for part in (1.0, 0.5))
         shape = _PAD.format(xyz=f"0 {-side * (face - 0.005)} {-down}", size="0.022 0.01 0.037")
         parts += [link(f"{name}_{bar}", masses[bar], middle) for bar in ("crank", "inner")]
-        parts.append(link(name, masses["tip"], "0 0 0", shape, 0.03))
+        parts.append(link(name, masses["tip"], f"0 {-side * 0.015} -0.02", shape, 0.03))
         mimic = '<mimic joint="left_crank_joint"/>'
         for bar, (y, z) in (("crank", pivot), ("inner", inner)):
             child = f"{name}_{bar}"
