@@ -41,7 +41,7 @@ def draw(file: Path) -> None:
         tab.evaluate("for (const item of document.querySelectorAll('*')) item.scrollTop = 0")
         _run(twin, lambda: twin.time >= END)
         tab.locator("#play").click()
-        _run(twin, lambda: twin.paused)
+        _run(twin, lambda: twin.clock.paused)
         _run(twin, lambda: tab.get_by_text("paused").count() >= 1)
         tab.mouse.move(0, SIZE["height"] - 1)
         tab.screenshot(path=file)

@@ -144,7 +144,7 @@ def check_on_panda_arm(figure, folder, engine, width, force, seconds):
     scene.add("robot", on_panda_arm(hand), (0, 0, 0), controllers=file, initial_positions=start)
     twin = scene.add("cube", box((width,) * 3, DENSITY * width**3), (2, 0, 1)).build()
     grip = Grip(twin, hand, "hand", width)
-    twin.place("cube", grip.pose() @ (0, 0, -hand.reach(at)))
+    twin.entities.place("cube", grip.pose() @ (0, 0, -hand.reach(at)))
     twin.publish("/robot/grip/commands", [hand.effort(width, force)])
     grip.settle()
     offsets = ((0.5, 0.2, 0, 0.2, 0.3, 0.2, 0.5), (-0.5, -0.1, 0.2, 0.3, 0, 0.3, -0.5), (0, 0, 0, 0, 0, 0, 0))

@@ -69,7 +69,7 @@ def rpy(turn: np.ndarray) -> tuple[float, float, float]:
 
 def azimuth(twin, tilt: float = 0.0) -> float:
     """The direction of the wide end in a plane that falls off along x (rad)."""
-    axis = -quaternion_matrix(twin.entity_state("thing").orientation)[:3, 2]
+    axis = -quaternion_matrix(twin.entities.state("thing").orientation)[:3, 2]
     x, y, _ = rotation_matrix(-tilt, (0, 1, 0))[:3, :3] @ axis
     return atan2(y, x)
 
@@ -82,7 +82,7 @@ def test_a_cone_on_its_side_rolls_about_its_apex(figure, tmp_path, engine, what)
     twin = Scene(tmp_path, engine, plane()).add("thing", body.urdf, body.center, rpy(body.turn)).build()
     twin.advance_to(0.2)
     spin = np.array([-rate * body.center[0] / body.center[2], 0.0, 0.0])
-    twin.set_entity_state("thing", linear=tuple(np.cross(spin, position(twin, "thing"))), angular=tuple(spin))
+    twin.entities.set_state("thing", linear=tuple(np.cross(spin, position(twin, "thing"))), angular=tuple(spin))
     last, turned = azimuth(twin), 0.0
     for _ in range(60):
         twin.advance_to(twin.time + 0.05)
@@ -90,7 +90,7 @@ def test_a_cone_on_its_side_rolls_about_its_apex(figure, tmp_path, engine, what)
         turned += (now - last + pi) % (2 * pi) - pi
         last = now
     assert figure("cones on the level: way in 3 s ÷ closed form", turned / (3 * rate)) == pytest.approx(1, abs=0.01)
-    kept = np.linalg.norm(twin.entity_state("thing").angular) / np.linalg.norm(spin)
+    kept = np.linalg.norm(twin.entities.state("thing").angular) / np.linalg.norm(spin)
     assert figure("cones on the level: speed kept in 3 s", kept) == pytest.approx(1, abs=0.01)
     assert position(twin, "thing")[2] == pytest.approx(body.center[2], abs=2e-4)
     assert np.hypot(*position(twin, "thing")[:2]) == pytest.approx(body.center[0], abs=2e-3)

@@ -38,7 +38,7 @@ def robot(caster: str, high: float, is_held: bool) -> str:
 
 
 def pitch(twin) -> float:
-    w, x, y, z = twin.entity_state("robot").orientation
+    w, x, y, z = twin.entities.state("robot").orientation
     return degrees(asin(2 * (w * y - z * x)))
 
 
@@ -50,7 +50,7 @@ def check_drop(folder, engine, urdf, height):
         farthest = max(farthest, abs(pitch(twin)))
     assert farthest < 1.5
     assert abs(pitch(twin)) < 0.1
-    assert twin.entity_state("robot").position[2] == pytest.approx(RADIUS, abs=2e-4)
+    assert twin.entities.state("robot").position[2] == pytest.approx(RADIUS, abs=2e-4)
 
 
 @pytest.mark.parametrize(
