@@ -267,7 +267,7 @@ class Entities(Group):
 
     @recorded("set_joint_positions")
     def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
-        """Set joint positions at once, without forces; velocities stay, servos hold them, and joints that mimic them follow.
+        """Set joint positions at once, without forces: servos hold them, mimic joints follow, velocities stay.
 
         Args:
             robot: The robot's name.

@@ -419,7 +419,8 @@ def test_two_timers_on_one_instant_are_repeatable(tmp_path):
         f"builder = TwinBuilder().robot('robot_1', {ROVER!r}, xyz=(0, 0, 0.13))\n"
         f"twin = builder.node({str(file)!r}, '1').node({str(file)!r}, '2').build()\n"
         "twin.advance_to(0.5)\n"
-        "print(twin.state_sha256(), twin.graph.command('/robot_1/forward_velocity_controller/commands').data.tolist())\n"
+        "command = twin.graph.command('/robot_1/forward_velocity_controller/commands')\n"
+        "print(twin.state_sha256(), command.data.tolist())\n"
     )
     found = {
         subprocess.run(
