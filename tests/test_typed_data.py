@@ -72,6 +72,7 @@ def test_each_value_is_what_its_type_says():
         ({"pair": [1]}, "pair", "[1] has 1 elements, but 2 are needed", None),
         ({"by_name": {"a": 1.5}}, "by_name.a", "1.5 is not a whole number", None),
         ({"by_name": {"a": inf}}, "by_name.a", "inf is not a whole number", None),
+        ({"by_name": {"a": True}}, "by_name.a", "True is not a whole number", None),
         ({"by_name": [1]}, "by_name", "[1] is not a mapping", None),
         ({"colour": "green"}, "colour", "unknown value 'green'", ["red", "blue"]),
         ({"flag": "yes"}, "flag", "'yes' is neither true nor false", None),

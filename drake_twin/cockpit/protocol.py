@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_twin.typed_data import Reader, ValuePath, field_types
+from drake_twin.typed_data import Reader, ValuePath
 
 _LONGEST_TEXT = 1000
 _LONGEST_LINES = 20_000
@@ -252,7 +252,7 @@ def read_as(kinds: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
         None if the name is unknown, a field is missing, unknown or of the wrong type, or a number is not finite.
     """
     kind = data.get("do")
-    if not isinstance(kind, str) or kind not in kinds or data.keys() - {"do"} != field_types(kinds[kind]).keys():
+    if not isinstance(kind, str) or kind not in kinds:
         return None
     try:
         return _Reader(_unfit).read(kinds[kind], {name: value for name, value in data.items() if name != "do"})
