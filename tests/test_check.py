@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from conftest import ROVER
 
-from drake_twin.check import main
+from drake_twin.check import Report, _lines, main
 from drake_twin.description.package_index import share_folder
+from drake_twin.findings import Finding, Kind
 
 ARM = share_folder("models") / "arduinobot_description" / "urdf" / "arduinobot.urdf.xacro"
 
@@ -58,6 +59,17 @@ def test_every_repair_and_everything_ignored_is_listed_with_its_line(capsys, tmp
     assert ignored == [("<safety_controller> in <joint>", [4])]
     assert main([str(tmp_path / "sick.urdf")]) == 0
     assert "verdict: runs, mended" in capsys.readouterr().out
+
+
+def test_the_report_goes_from_what_failed_to_what_is_replaced():
+    """The kinds in their order, and those of one kind in the order of the file."""
+    found = tuple(Finding(kind, f"{kind.name.lower()} {number}") for number in (1, 2) for kind in reversed(Kind))
+    told = list(_lines(Report("r.urdf", True, None, {}, found)))
+    kinds = ("failed", "not started", "ignored", "refused by ROS 2", "warning", "mended", "window")
+    assert [line.strip().partition(": ")[0] for line in told[1:-1]] == [kind for kind in kinds for _ in (1, 2)]
+    assert [re.findall(r" (\d)", line)[-1] for line in told[1:-1]] == ["1", "2"] * 7
+    assert told[0] == "r.urdf"
+    assert told[-1] == "  verdict: runs, mended"
 
 
 def test_a_package_that_wants_no_mending_can_say_so(capsys, tmp_path):

@@ -42,6 +42,27 @@ def test_what_is_lost_comes_first_then_what_does_not_start_and_looks_come_last()
     ]
 
 
+KINDS = ("failed", "not started", "ignored", "refused by ROS 2", "warning", "mended", "window")
+
+
+def test_every_weight_and_kind_has_its_place():
+    """By weight, and within it by kind; a report of all has what is lost first and then goes by kind alone."""
+    mixed = [Finding(kind, f"{weight} {kind}", weight=weight) for kind in reversed(Kind) for weight in Weight]
+    counts = [*(f"3 {kind}" for kind in KINDS[4:]), *(f"2 {kind}" for kind in KINDS[:4])]
+    assert most_telling(mixed) == [
+        *(f"{kind}: lost {kind}" for kind in KINDS[:4]),
+        f"and 17 more findings ({', '.join(counts)}): --findings prints them all",
+    ]
+    assert (
+        most_telling([finding for finding in mixed if finding.weight is not Weight.LOST])[0] == "failed: moves failed"
+    )
+    by_kind = [(kind, weight) for kind in KINDS for weight in ("moves", "looks")]
+    assert [sentence for _, sentence in grouped(mixed)] == [
+        *(f"lost {kind}" for kind in KINDS),
+        *(f"{weight} {kind}" for kind, weight in by_kind),
+    ]
+
+
 def test_findings_of_one_cause_are_one_line_with_all_their_lines():
     common = " in <sensor> of sensor 's'"
     parts = [

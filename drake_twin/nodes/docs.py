@@ -59,6 +59,7 @@ def upstream() -> Mapping[str, list[str] | None]:
     return read_members(_MEMBERS.read_text(encoding="utf-8"))
 
 
+@cache
 def ours(member: str) -> Any:
     """Return what stands for a member of ROS's packages; None where nothing does."""
     parts = member.split(".")

@@ -140,6 +140,27 @@ def test_a_minute_is_kept_in_little_memory():
     it.page.cockpit.close()
 
 
+def test_the_bytes_that_are_told_are_those_that_are_kept(driving, monkeypatch):
+    """A picture is 48 bytes a body; the oldest go at the bound, and those after the moment that is returned to."""
+    driving.run_to(1.0)
+    timeline = driving.page.cockpit._timeline
+    count = len(timeline._pictures)
+    (picture,) = {item.poses.nbytes for item in timeline._pictures}
+    assert picture == 48 * len(timeline._pictures[0].poses)
+    assert 20 < count <= 31
+    assert driving.told["bytes"] == count * picture + timeline._rewind.size
+    monkeypatch.setattr("drake_twin.cockpit.timeline._MOST_BYTES", count * picture)
+    driving.run_to(1.5)
+    assert len(timeline._pictures) == count  # at the bound, and not one fewer
+    assert driving.told["first"] > 0.4
+    assert driving.told["bytes"] == count * picture + timeline._rewind.size
+    driving.ask(protocol.GoOnFrom(0.6))
+    kept = sum(item.time <= 0.5 for item in timeline._pictures)
+    assert 0 < kept < 20
+    assert driving.told["bytes"] == len(timeline._pictures) * picture + timeline._rewind.size
+    assert len(timeline._pictures) in (kept, kept + 1)  # and the present
+
+
 def test_without_a_browser_nothing_is_kept():
     it = Watched(rovers(1))
     it.run_to(0.6)

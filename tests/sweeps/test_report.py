@@ -1,10 +1,10 @@
-"""The figure of pairs: which values stand against which, and what colors them."""
+"""What a table says in text, and the figure of pairs: which values stand against which, and what colors them."""
 
 import pytest
 from matplotlib.figure import Figure
 
 from drake_twin.errors import InputError
-from drake_twin.sweeps.report import draw_pairs
+from drake_twin.sweeps.report import draw_pairs, report
 
 VARY = [["friction", [0.2, 0.4]], ["payload", [1, 2]], ["gain", [5, 6]]]
 ROWS = [
@@ -32,3 +32,45 @@ def test_one_value_makes_no_pair(tmp_path):
     with pytest.raises(InputError, match="--pairs: the table has no metric, or less than two varied numbers"):
         draw_pairs(tmp_path / "pairs.png", {"vary": VARY[:1]}, ROWS)
     assert not (tmp_path / "pairs.png").exists()
+
+
+def test_the_report_has_the_most_frequent_the_least_and_the_most_telling_first():
+    """Outcomes by their number, best and worst rows from the outside in, values by how much a metric follows them."""
+    rows = [
+        {
+            "episode": number,
+            "seed": 0,
+            "outcome": outcome,
+            "reason": reason,
+            "weak": weak,
+            "strong": strong,
+            "distance": distance,
+        }
+        for number, (outcome, reason, weak, strong, distance) in enumerate(
+            [
+                ("error", "rare", 1.0, 1.0, None),
+                ("done", "", 2.0, 9.0, 0.9),
+                ("error", "often", 3.0, 1.0, None),
+                ("done", "", 1.0, 7.0, 0.7),
+                ("error", "often", 3.0, 1.0, None),
+                ("done", "", 3.0, 1.0, 0.1),
+                ("done", "", 2.0, 5.0, 0.5),
+            ]
+        )
+    ]
+    lines = report({"vary": [["weak", [1, 2, 3]], ["strong", [1, 9]]]}, rows).splitlines()
+    assert lines == [
+        "7 rows: 4 done, 3 error",
+        "distance: least 0.1, median 0.6, largest 0.9",
+        "  least   0.1          row 5: weak=3, strong=1, seed 0",
+        "  least   0.5          row 6: weak=2, strong=5, seed 0",
+        "  least   0.7          row 3: weak=1, strong=7, seed 0",
+        "  largest 0.9          row 1: weak=2, strong=9, seed 0",
+        "  largest 0.7          row 3: weak=1, strong=7, seed 0",
+        "  largest 0.5          row 6: weak=2, strong=5, seed 0",
+        "rank correlation of value and metric (1: rises with it, -1: falls with it)",
+        "  distance  strong  +1.00",
+        "  distance  weak    -0.63",
+        "error in 2 rows: often",
+        "error in 1 rows: rare",
+    ]

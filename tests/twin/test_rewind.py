@@ -111,6 +111,16 @@ def test_the_oldest_moments_go_when_the_memory_is_used_up():
         assert rewind.size <= 20_000
 
 
+def test_the_memory_is_that_of_the_moments_and_of_each_scenario_once():
+    twin = driven()
+    with Rewind(twin) as rewind:
+        twin.advance_to(1.6)
+        packed = [len(moment.packed) for moment in rewind._moments]
+        (scenario,) = {moment.scenario for moment in rewind._moments}
+        assert len(packed) == 4
+        assert rewind.size == sum(packed) + len(scenario)
+
+
 @pytest.fixture
 def counted(monkeypatch):
     """Counts the snapshots that are taken."""
