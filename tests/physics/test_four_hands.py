@@ -13,7 +13,7 @@ import pytest
 from conftest import ARM
 from four_hands import ARM_LINKS, HANDS, MOUNT, READY, Hand, controllers, on_mount, on_panda_arm
 from pydrake.math import RigidTransform
-from scenes import ENGINES, G, Scene, box, every_engine, position, velocity
+from scenes import ENGINES, G, Scene, box, every_engine, position, step_error, velocity
 
 from drake_twin import TwinBuilder
 from drake_twin.twin.twin import Twin
@@ -70,10 +70,10 @@ class Grip:
             if step % 5 == 4:
                 self.worst = max(self.worst, 1e3 * float(np.linalg.norm(self.cube() - self.start)))
 
-    def check(self, figure, name: str, seconds: float) -> None:
-        """Check that the pads still hold the cube."""
+    def check(self, figure, name: str, seconds: float, way: float = 0.0) -> None:
+        """Check that the pads still hold the cube, which slips by the way of steps (mm) besides."""
         what = f"{name if seconds > 3 else 'a'} hand holds cubes for {seconds:.0f} s"
-        assert figure(f"{what}: they slip (mm)", self.worst) < 0.5 + 0.2 * seconds
+        assert figure(f"{what}: they slip (mm)", self.worst) < 0.5 + 0.2 * seconds + way
         assert figure(f"{what}: a pad's depth (mm)", self.depth()) < 2.0
         assert abs(figure(f"{what}: pads creep (mm)", abs(self.depth() - self.first_depth))) < 0.1
 
@@ -129,7 +129,8 @@ def check_bundled(figure, folder, engine, width, force, seconds):
     grip.settle()
     topic = "/robot/forward_velocity_controller/commands"
     grip.move(seconds, lambda time: grip.twin.publish(topic, [*sines(ARM_SWAYS, time, seconds), -0.5]))
-    grip.check(figure, "bundled", seconds)
+    way = 1e3 * ARM_SWAYS[0][0] ** 2 / 2 * 0.36 * step_error(engine) / 2 * seconds  # 0.36 m from the arm's first joint
+    grip.check(figure, "bundled", seconds, way)
 
 
 def check_on_panda_arm(figure, folder, engine, width, force, seconds):
