@@ -244,7 +244,8 @@ def test_what_a_switch_answers_about_unknown_controllers(activate, deactivate, s
 
 @pytest.mark.parametrize("default", [BEST_EFFORT, STRICT])
 def test_a_switch_without_a_strictness_has_that_of_the_parameters(default):
-    plan = replace(robot_plan(controller("one", "a/effort", state="inactive")), strictness=default)
+    plan = robot_plan(controller("one", "a/effort", state="inactive"))
+    plan = replace(plan, manager=replace(plan.manager, strictness=default))
     manager = ControllerManager(plan, lambda *switch: None)
     assert manager.switch_controller(["one", "nobody"]).ok is (default == BEST_EFFORT)
     assert manager.active == (("one",) if default == BEST_EFFORT else ())
