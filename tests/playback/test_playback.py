@@ -68,6 +68,9 @@ def test_another_programs_bag(tmp_path, played, plugin, namespace):
     player, twin = played(write(tmp_path / "bag", cart_messages(namespace), plugin))
     (plan,) = twin.built.plans
     assert plan.name == (namespace.strip("/").replace("/", "_") or "cart")
+    state = {"robots": {plan.name: {}}}
+    player.amend(state)
+    assert state["robots"][plan.name] == {"velocities": [0.0], "efforts": [0.0]}  # before the first message
     player.advance_to(1.0)
     base = twin.entities.state(plan.name)
     np.testing.assert_allclose(base.position, [1.0, 1.0, 0.5], atol=1e-12)

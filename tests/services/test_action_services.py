@@ -8,7 +8,7 @@ from conftest import ARM
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.messages import message
 from drake_twin.scenario import Robot
-from drake_twin.services.actions import action_servers
+from drake_twin.services.actions import ActionServer, action_servers
 from drake_twin.services.graph import GraphServices
 
 FIRST, SECOND = bytes(range(16)), bytes(range(16, 32))
@@ -165,3 +165,34 @@ def test_simulate_steps_is_cancelled(twin):
     list(server.news())
     assert twin.clock.step_count == made
     assert ended(call(server, "get_result", goal_id=uuid(FIRST)))["status"] == 5
+
+
+def test_feedback_comes_at_20_hz_and_again_after_a_reset():
+    now = [0.0]
+    running = Message(status="executing", is_done=False, feedback={"x": 1}, result=None)
+    kind = "control_msgs/action/FollowJointTrajectory"
+    server = ActionServer("/a", kind, "/n", lambda goal: running, lambda: now[0])
+    assert call(server, "send_goal", goal_id=uuid(FIRST), goal=None)["accepted"]
+    times = []
+    for now[0] in (0.0, 0.049, 0.05, 0.06, 0.0999, 0.1, 0.3, 0.34, 0.0, 0.04, 0.05):
+        times += [now[0] for topic, _ in server.news() if topic == "/a/_action/feedback"]
+    assert times == [0.0, 0.05, 0.1, 0.3, 0.0, 0.05]
+
+
+def test_a_time_cancels_the_goals_that_were_accepted_until_then():
+    now, ended_goals = [0.0], []
+    started = iter(["first", "second", "third"])
+
+    def start(goal):
+        name = next(started)
+        return Message(
+            status="executing", is_done=False, feedback=None, result=None, cancel=lambda: ended_goals.append(name)
+        )
+
+    kind = "control_msgs/action/FollowJointTrajectory"
+    server = ActionServer("/a", kind, "/n", start, lambda: now[0])
+    for now[0], key in ((0.9, FIRST), (1.25, SECOND), (1.75, bytes([7] * 16))):
+        assert call(server, "send_goal", goal_id=uuid(key), goal=None)["accepted"]
+    response = cancel(server, bytes(16), Message(sec=1, nanosec=250_000_000))
+    assert ended_goals == ["first", "second"]  # the second was accepted at that very time
+    assert len(response["goals_canceling"]) == 2

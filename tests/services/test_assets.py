@@ -49,6 +49,13 @@ def test_meshes_and_other_files_of_the_packages():
         assert robot_file(twin, TURRET) is None
 
 
+@pytest.mark.parametrize(("spare", "is_given"), [(0, True), (-1, False)])
+def test_a_file_is_given_up_to_a_size(own, monkeypatch, spare, is_given):
+    twin, place = own
+    monkeypatch.setattr("drake_twin.services.assets._LARGEST", (place / "meshes/a b.stl").stat().st_size + spare)
+    assert (robot_file(twin, "package://own_robot/meshes/a b.stl") is not None) is is_given
+
+
 def test_an_address_with_a_blank(own):
     twin, place = own
     content = (place / "meshes/a b.stl").read_bytes()

@@ -299,6 +299,29 @@ def test_reset_by_scope(twin):
     assert (twin.robots, twin.time) == (("robot_1", "robot_2"), 0.0)
 
 
+def test_the_features_that_the_simulator_has(twin):
+    """simulation_interfaces/msg/SimulatorFeatures of 1.0, by the names of its constants."""
+    numbers = {
+        "SPAWNING": 0,
+        "DELETING": 1,
+        "SPAWNING_RESOURCE_STRING": 9,
+        "SPAWNABLES": 14,
+        "ENTITY_STATE_GETTING": 10,
+        "ENTITY_STATE_SETTING": 11,
+        "SIMULATION_RESET": 20,
+        "SIMULATION_RESET_SPAWNED": 23,
+        "SIMULATION_STATE_GETTING": 24,
+        "SIMULATION_STATE_SETTING": 25,
+        "SIMULATION_STATE_PAUSE": 26,
+        "STEP_SIMULATION_SINGLE": 31,
+        "STEP_SIMULATION_MULTIPLE": 32,
+        "STEP_SIMULATION_ACTION": 33,
+    }
+    features = answer(twin, "/drake_twin/get_simulator_features")["features"]
+    assert sorted(features["features"]) == sorted(numbers.values())
+    assert features["spawn_formats"] == ["urdf", "sdf", "mjcf", "xacro"]
+
+
 # Gazebo classic and gz ------------------------------------------------------------------------------------------------
 
 
@@ -312,7 +335,10 @@ def test_gazebo_classic(twin):
     state = Message(name="third", pose=pose(5.0), twist=Message(linear=pose().position, angular=pose().position))
     state.reference_frame = "robot_2"
     assert answer(twin, "/set_entity_state", state=state) == {"success": True}
-    found = answer(twin, "/gazebo/get_entity_state", name="third", reference_frame="robot_2")["state"]
+    response = answer(twin, "/gazebo/get_entity_state", name="third", reference_frame="robot_2")
+    assert (response["success"], response["header"].frame_id) == (True, "robot_2")
+    assert not answer(twin, "/gazebo/get_entity_state", name="nobody", reference_frame="")["success"]
+    found = response["state"]
     assert found["pose"]["position"] == pytest.approx({"x": 5.0, "y": 0.0, "z": 0.0}, abs=1e-9)
     assert twin.entities.state("third").position == pytest.approx((5.0, 2.0, 0.13))
     assert answer(twin, "/delete_entity", name="third")["success"]

@@ -1,0 +1,46 @@
+"""The bounds of position servos' gains."""
+
+from pathlib import Path
+
+import pytest
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import load_robot_model
+from drake_twin.errors import InputError
+from drake_twin.planning.servo_plan import position_time_constant
+
+ARM = """<robot name="arm">
+  <link name="base"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <ros2_control name="s" type="system">
+    <hardware><param name="position_proportional_gain">{gain}</param></hardware></ros2_control></robot>"""
+
+
+@pytest.fixture
+def constant(tmp_path):
+    """The time constant (s) of a robot's servos with a gain, at 100 Hz."""
+
+    def constant_(gain):
+        file = tmp_path / "arm.urdf"
+        file.write_text(ARM.format(gain=gain))
+        return position_time_constant(load_robot_model(str(file), PackageIndex()).description, 100.0)
+
+    return constant_
+
+
+@pytest.mark.parametrize("gain", [1e-8, 0.1, 1e4])
+def test_a_gain_times_the_rate_is_the_servos_speed(constant, gain):
+    assert constant(gain) == pytest.approx(1 / (100 * gain))
+
+
+@pytest.mark.parametrize("gain", ["0.9e-8", "1.1e4"])
+def test_a_servo_that_is_too_slow_or_too_fast_is_refused_with_its_line(constant, gain):
+    with pytest.raises(InputError, match=rf"{gain}', and 100 Hz times that is not from 1e-06 to 1e\+06 1/s") as error:
+        constant(gain)
+    assert (Path(error.value.file).name, error.value.line) == ("arm.urdf", 5)
+
+
+@pytest.mark.parametrize("gain", ["0", "-1", "nan", "fast"])
+def test_a_gain_that_is_not_a_positive_number_is_refused(constant, gain):
+    with pytest.raises(InputError, match=rf"position_proportional_gain is '{gain}', which is not a positive number"):
+        constant(gain)
