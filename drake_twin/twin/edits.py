@@ -5,11 +5,21 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from drake_twin.diagram.contact_shapes import reach_of
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
-from drake_twin.twin.entities import finite_numbers, make_wrench, set_entity_state, set_joint_positions
+from drake_twin.twin.entities import (
+    Wrench,
+    find_body,
+    finite_numbers,
+    make_wrench,
+    set_entity_state,
+    set_joint_positions,
+)
 from drake_twin.twin.pull import PERIOD, make_pull
 from drake_twin.twin.session import Session
 from drake_twin.values import is_number
@@ -146,8 +156,26 @@ def push(
     until = _end(session, duration)
     built, context = session.built, session.physics.plant_context
     wrench = make_wrench(built, context, entity, force, torque, until, reference, at)
+    if (what := _passes_walls(session, wrench)) is not None:
+        _log.warning("%s", what)
     session.wrenches.drop_ended(session.clock.time)
     session.wrenches.put((*session.wrenches.items, wrench))
+
+
+def _passes_walls(session: Session, wrench: Wrench) -> str | None:
+    """Say so if a force moves a robot or model in a step by more than it is thick: contact does not see that way."""
+    built, context = session.built, session.physics.plant_context
+    body, step, force = find_body(built, wrench.entity), built.plant.time_step(), float(np.linalg.norm(wrench.force))
+    shapes = [shape.shape for shape in built.shapes if shape.body == body.index()]
+    mass = built.plant.CalcTotalMass(context, [body.model_instance()])
+    if step == 0.0 or not shapes or mass <= 0.0:  # CENIC takes shorter steps
+        return None
+    way = force / mass * step**2
+    thinnest = min(reach_of(shape, axis) + reach_of(shape, -axis) for shape in shapes for axis in np.eye(3))
+    if way <= thinnest / 2:
+        return None
+    moves = f"{force:g} N move {mass:.3g} kg by {1e3 * way:.3g} mm in a step of {1e3 * step:g} ms"
+    return f"{wrench.entity}: {moves}: it may pass through walls (a shorter time_step and engine cenic do not let it)"
 
 
 def drag(
