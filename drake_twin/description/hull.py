@@ -1,5 +1,6 @@
 """The convex hull of a mesh, with few corners: Drake's hydroelastic contact takes 0.03 ms to prepare a corner."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ from pydrake.geometry import PolygonSurfaceMesh
 
 _MOST_CORNERS = 64
 _SLIVER = 1e-4
+_SAME_PLANE = 1e-5  # an STL file's single precision turns slim triangles by some 1e-6
 _LOSS = 1e-3  # what a hull may lose, as a part of its size, to have fewer corners
 
 
@@ -48,11 +50,73 @@ def corners_of(hull: PolygonSurfaceMesh) -> np.ndarray:
 
 
 def planes_of(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the directions of a hull's sides (k×3), and their distances from the origin along these (k, m)."""
+    """Return the directions of a hull's sides (k×3), and their distances from the origin along these (k, m).
+
+    Triangles that are in one plane but for the rounding of an STL file are one side.
+    """
     from scipy.spatial import ConvexHull
 
     planes = np.unique(np.round(ConvexHull(corners).equations, 9), axis=0)
-    return planes[:, :3], -planes[:, 3]
+    near = np.append(np.full(3, _SAME_PLANE), _SAME_PLANE * np.ptp(corners, axis=0).max())
+    different: list[np.ndarray] = []
+    for plane in planes:
+        if not any((np.abs(plane - other) < near).all() for other in different):
+            different.append(plane)
+    found = np.array(different)
+    return found[:, :3], -found[:, 3]
+
+
+@dataclass(frozen=True)
+class Side:
+    """A side of a hull on which it can stand.
+
+    Attributes:
+        area: m².
+        width: Of a rectangle that resists tilting alike (m): √12 times the least radius of gyration of the area.
+        height: Of the center of mass above it (m).
+        off: Of the middle of its area from the foot of the center of mass (m).
+    """
+
+    area: float
+    width: float
+    height: float
+    off: float
+
+
+def sides_under(corners: np.ndarray, center: np.ndarray) -> list[Side]:
+    """Return the sides of a hull (n×3, m) that are below its center of mass (m) when it stands on them."""
+    normals, distances = planes_of(corners)
+    near = _SAME_PLANE * float(np.ptp(corners, axis=0).max())
+    found = []
+    for normal, distance in zip(normals, distances, strict=True):
+        height = float(distance - normal @ center)
+        foot = center + height * normal
+        if height <= 0 or (normals @ foot - distances).max() > near:
+            continue
+        own = corners[np.abs(corners @ normal - distance) < near] - foot
+        one = own[np.argmax(np.linalg.norm(own, axis=1))]
+        one = (one - one @ normal * normal) / np.linalg.norm(one)
+        flat = own @ np.column_stack([one, np.cross(normal, one)])
+        area, middle, moments = _moments_of_area(flat)
+        if area > near**2:
+            width = float(np.sqrt(12 * max(np.linalg.eigvalsh(moments / area)[0], 0.0)))
+            found.append(Side(area, width, height, float(np.linalg.norm(middle))))
+    return found
+
+
+def _moments_of_area(points: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return area, middle and second moments about the middle (2×2) of a convex polygon of the plane (n×2)."""
+    around = points - points.mean(axis=0)
+    around = around[np.argsort(np.arctan2(around[:, 1], around[:, 0]), kind="stable")]
+    area, first, second = 0.0, np.zeros(2), np.zeros((2, 2))
+    for one, other in zip(around, np.roll(around, -1, axis=0), strict=True):  # triangles from the corners' mean
+        part = abs(float(one[0] * other[1] - one[1] * other[0])) / 2
+        area += part
+        first += part * (one + other) / 3
+        total = one + other
+        second += part / 12 * (np.outer(one, one) + np.outer(other, other) + np.outer(total, total))
+    middle = first / area if area > 0 else first
+    return area, middle + points.mean(axis=0), second - area * np.outer(middle, middle)
 
 
 def without_slivers(corners: np.ndarray, least: float | None = None) -> np.ndarray:

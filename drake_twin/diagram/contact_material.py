@@ -7,6 +7,7 @@ from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
     AddContactMaterial,
     AddRigidHydroelasticProperties,
+    Convex,
     Cylinder,
     ProximityProperties,
     SceneGraphConfig,
@@ -14,6 +15,7 @@ from pydrake.geometry import (
 )
 from pydrake.multibody.plant import CoulombFriction
 
+from drake_twin.description.hull import corners_of, sides_under
 from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, extent_of
 from drake_twin.diagram.rims_and_corners import CORNER_STIFFNESS, recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
@@ -23,6 +25,9 @@ from drake_twin.diagram.yielding_shapes import Yielding
 # it falls. With more, at a step of 10 ms, a body that slides on a moving one trembles, which brakes it: 1e6 by up to 6
 # % at a friction of 0.8, 4e5 by 2 %.
 _FACE_STIFFNESS = 4e5
+
+# What stands on a side that is not below its center of mass in the middle leans by less than this (rad).
+_LEAN = 3e-4
 
 # The least of that for the smallest face: what stands on it sinks by 75 µm at most.
 _SMALL_FACE_STIFFNESS = 1.3e5
@@ -35,6 +40,7 @@ _LEAST_BORNE = 2.5
 # fail at a step of 10 ms.
 _MOST_BORNE = 2.5e5
 
+_G = 9.81  # m/s²
 _RIGID = 1e12  # N/m; for a point of a static shape
 
 # Hunt and Crossley's dissipation (s/m). A body that has sunk in comes out at 1/this at most: at Drake's default of 50
@@ -163,6 +169,19 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
         stiffness = min(max(least, stands), STIFFEST)
         bears = max(stiffness * shape.mass, least * _borne(shape))
         modulus = max(modulus, bears / (filled * width * length) * (depth or height / 2))
+    if shape.is_loose and isinstance(shape.shape, Convex):
+        modulus = max(modulus, _modulus_to_stand(shape, depth))
+    return modulus
+
+
+def _modulus_to_stand(shape: ContactShape, depth: float | None) -> float:
+    """Return the modulus with which a hull stands on each of its sides, which may be smaller than those around it."""
+    center = shape.X_BG.inverse() @ shape.body.default_com()
+    modulus = 0.0
+    for side in sides_under(corners_of(shape.shape.GetConvexHull()), center):
+        resists = side.width**2 / 12
+        stiffness = max(_SMALL_FACE_STIFFNESS, UPRIGHT * side.height / resists, _G * side.off / (_LEAN * resists))
+        modulus = max(modulus, min(stiffness, STIFFEST) * shape.mass / side.area * (depth or side.height))
     return modulus
 
 

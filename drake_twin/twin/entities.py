@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from drake_twin.diagram.contact_shapes import reach_of
 from drake_twin.errors import InputError
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages import shortened
@@ -15,7 +16,9 @@ from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.scenario.absolute_files import robot_with_files_found
 from drake_twin.twin.entity_state import (
     EntityState,
+    Wrench,
     entity_state,
+    find_body,
     finite_numbers,
     make_wrench,
     set_entity_state,
@@ -225,6 +228,8 @@ class Entities(Group):
         session, until = self._session, self._end(duration)
         context = session.physics.plant_context
         wrench = make_wrench(session.built, context, entity, force, torque, until, reference, at)
+        if (what := _passes_walls(session, wrench)) is not None:
+            _log.warning("%s", what)
         session.wrenches.drop_ended(session.clock.time)
         session.wrenches.put((*session.wrenches.items, wrench))
 
@@ -343,3 +348,19 @@ def _check_model(session: Session, entity: str) -> None:
     if entity not in models:
         valid = [*session.robots, *models]
         raise InputError(f"Entity [{entity}] does not exist.", value=str(entity), valid=valid)
+
+
+def _passes_walls(session: Session, wrench: Wrench) -> str | None:
+    """Say so if a force moves a robot or model in a step by more than it is thick: contact does not see that way."""
+    built, context = session.built, session.physics.plant_context
+    body, step, force = find_body(built, wrench.entity), built.plant.time_step(), float(np.linalg.norm(wrench.force))
+    shapes = [shape.shape for shape in built.shapes if shape.body == body.index()]
+    mass = built.plant.CalcTotalMass(context, [body.model_instance()])
+    if step == 0.0 or not shapes or mass <= 0.0:  # CENIC takes shorter steps
+        return None
+    way = force / mass * step**2
+    thinnest = min(reach_of(shape, axis) + reach_of(shape, -axis) for shape in shapes for axis in np.eye(3))
+    if way <= thinnest / 2:
+        return None
+    moves = f"{force:g} N move {mass:.3g} kg by {1e3 * way:.3g} mm in a step of {1e3 * step:g} ms"
+    return f"{wrench.entity}: {moves}: it may pass through walls (a shorter time_step and engine cenic do not let it)"

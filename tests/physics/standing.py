@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+_LEAST_MARGIN = 5e-3  # m
 GROUNDS = ("plane", "box", "mesh", "slab")
 
 
@@ -34,6 +35,11 @@ class Standing:
     margin: float
     edge: np.ndarray
     ground: str
+
+    @property
+    def reach(self) -> float:
+        """How far its corners are from its centre of mass at most (m)."""
+        return float(np.linalg.norm(self.mesh.vertices, axis=1).max())
 
     def urdf(self, folder: Path) -> str:
         """The body as URDF; its mesh is written to the folder."""
@@ -96,6 +102,10 @@ def standing(count: int, seed: int = 41) -> list[Standing]:
         faces = _faces(mesh)
         if kind.startswith("cylinder"):
             faces = [face for face in faces if abs(face[0][2]) > 0.99]
+        # As slim as the bodies are, and no narrower than half of the smallest.
+        faces = [face for face in faces if face[2] >= max(_LEAST_MARGIN, face[1] / 50)]
+        if not faces:
+            continue
         normal, height, margin, edge = faces[int(pick * len(faces))]
         turn = trimesh.geometry.align_vectors(normal, (0, 0, -1))[:3, :3]
         shape = '<mesh filename="file://FILE"/>'

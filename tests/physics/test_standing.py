@@ -2,10 +2,25 @@
 
 from math import atan, cos, radians, sin
 
+import mujoco
 import numpy as np
 import pytest
 import trimesh
-from scenes import G, Scene, box, every_engine, on_slope, plane, position, static, static_box, static_mesh, thing
+from scenes import (
+    ENGINES,
+    G,
+    Scene,
+    box,
+    every_engine,
+    on_slope,
+    plane,
+    position,
+    static,
+    static_box,
+    static_mesh,
+    thing,
+)
+from standing import GROUNDS, standing
 
 NAMED = {  # sides (m) and mass (kg)
     "book": ((0.03, 0.15, 0.22), 0.5),
@@ -19,7 +34,6 @@ NAMED = {  # sides (m) and mass (kg)
     "stick": ((0.05, 0.1, 0.5), 1.0),
 }
 TURNS = [(0, 0, 0), (np.pi, 0, 0), (np.pi / 2, 0, 0), (-np.pi / 2, 0, 0), (0, np.pi / 2, 0), (0, -np.pi / 2, 0)]
-GROUNDS = ("plane", "box", "mesh", "slab")
 ROUGH = 3.0
 DEEPEST, STEEPEST = 1e-4, radians(0.1)  # m, rad
 
@@ -53,19 +67,21 @@ def upright(quaternion):
     return np.array([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)])
 
 
+FLOORS = {
+    "plane": lambda _: plane(),
+    "box": lambda _: static_box(),
+    "mesh": lambda folder: static_mesh(folder / "terrain.obj"),
+    "slab": lambda _: plane(),
+}
+
+
 def check_standing(folder, engine, seconds, size, mass, turn, is_mesh, ground):
     """Stand a box on a side, leaning by .1° or half of what makes it fall: it sinks in by a hair, and stays upright."""
     R = trimesh.transformations.euler_matrix(*TURNS[turn])[:3, :3]
     x, y, z = np.abs(R @ size)  # along the world's axes
     width, about = (x, "y") if x < y else (y, "x")
     lean = min(radians(0.1), 0.25 * width / z)
-    floors = {
-        "plane": plane,
-        "box": static_box,
-        "mesh": lambda: static_mesh(folder / "terrain.obj"),
-        "slab": plane,
-    }
-    scene = Scene(folder, engine, floors[ground]())
+    scene = Scene(folder, engine, FLOORS[ground](folder))
     top = 0.0
     if ground == "slab":
         top = 0.2
@@ -106,6 +122,41 @@ def test_boxes_stand_on_any_side(tmp_path, engine, case):
     check_standing(tmp_path, engine, 60.0, *case)
 
 
+def check_standing_body(folder, engine, seconds, body):
+    """Stand a body on a face, leaning by .1° or a quarter of what makes it fall: it stays upright and hardly sinks."""
+    scene, top = Scene(folder, engine, FLOORS[body.ground](folder)), 0.0
+    if body.ground == "slab":
+        top = 0.2
+        scene.add("slab", box((5.0, 5.0, top), 10 * body.mass), (0, 0, top / 2))
+    lean = min(radians(0.1), 0.25 * atan(body.margin / body.height))
+    matrix = trimesh.transformations.rotation_matrix(lean, body.edge)
+    matrix[:3, :3] = matrix[:3, :3] @ body.turn
+    height = top + 1e-5 - float((body.mesh.vertices @ matrix[:3, :3].T)[:, 2].min())
+    rpy = trimesh.transformations.euler_from_matrix(matrix)
+    twin = scene.add("thing", body.urdf(folder), (0, 0, height), rpy).build()
+    twin.advance_to(seconds)
+    state = twin.entity_state("thing")
+    tilt = float(np.arccos(min(1.0, float(upright(state.orientation) @ body.turn[2]))))
+    slab = twin.entity_state("slab").position[2] - top / 2 if body.ground == "slab" else 0.0
+    # What still leans by so much has its centre of mass above where it should be.
+    raised = body.reach * tilt
+    assert -1e-5 - raised < body.height + top + slab - state.position[2] < DEEPEST
+    assert tilt < STEEPEST
+
+
+@pytest.mark.parametrize("body", standing(60)[3::7][:8], ids=lambda body: body.name)
+@every_engine
+def test_some_bodies_stand_on_any_face(tmp_path, engine, body):
+    check_standing_body(tmp_path, engine, 4.0, body)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("body", standing(60), ids=lambda body: body.name)
+@every_engine
+def test_bodies_stand_on_any_face(tmp_path, engine, body):
+    check_standing_body(tmp_path, engine, 10.0, body)
+
+
 @pytest.mark.parametrize(
     ("size", "mass"), [((0.5, 0.02, 0.02), 0.5), ((0.4, 0.3, 0.005), 1.0), ((1.0, 0.02, 0.02), 0.2)]
 )
@@ -118,6 +169,76 @@ def test_what_is_pushed_end_on_into_a_wall_stops_there(tmp_path, engine, size, m
     twin.entities.apply_wrench("thing", force=(20, 0, 0), duration=2.0)
     twin.advance_to(1.0)
     assert 0 < position(twin, "thing")[0] + size[0] / 2 - 1 < DEEPEST
+
+
+def rods_and_plates(count, seed=77):
+    """Things of 5 to 50 mm, .1 to 5 kg and 10 cm to 1 m, and what pushes them (1 to 200 N)."""
+    random = np.random.default_rng(seed)
+    found = []
+    for number in range(count):
+        thick = float(np.exp(random.uniform(np.log(0.005), np.log(0.05))))
+        length = float(random.uniform(0.1, 1.0))
+        width = thick if number % 2 == 0 else float(random.uniform(0.1, 0.4))
+        mass, force = np.exp(random.uniform((np.log(0.1), 0), (np.log(5), np.log(200)))).tolist()
+        found.append(((length, width, thick), mass, force))
+    return found
+
+
+def way_of_a_step(engine, mass, force):
+    return force / mass * {"1ms": 1e-6, "10ms": 1e-4, "cenic": 0.0}[engine]
+
+
+def depth_in_mujoco(size, mass, force):
+    """How deep (m) a thing is in a wall that it is pushed into for a second, with MuJoCo's default solref."""
+    x, y, z = size
+    model = mujoco.MjModel.from_xml_string(f"""<mujoco><option timestep="0.001" integrator="implicitfast"/><worldbody>
+<geom type="plane" size="9 9 1" friction="0.001"/><geom type="box" size="0.05 1 1" pos="1.05 0 0"/>
+<body pos="{0.999 - x / 2} 0 {z / 2}"><freejoint/>
+<geom type="box" size="{x / 2} {y / 2} {z / 2}" mass="{mass}" friction="0.001"/></body></worldbody></mujoco>""")
+    data = mujoco.MjData(model)
+    data.xfrc_applied[1, 0] = force
+    mujoco.mj_step(model, data, 1000)
+    return float(data.qpos[0]) + x / 2 - 1
+
+
+def check_push(folder, engine, size, mass, force):
+    """Push a thing end-on into a wall: it is less deep than in MuJoCo, or the twin says that the step is too long."""
+    wall = static("<box><size>0.1 2 2</size></box>", (1.05, 0, 0, 0, 0, 0), name="wall")
+    scene = Scene(folder, engine, wall + plane(friction=0.001))
+    twin = scene.add("thing", box(size, mass, friction=0.001), (0.999 - size[0] / 2, 0, size[2] / 2)).build()
+    twin.apply_wrench("thing", force=(force, 0, 0), duration=2.0)
+    twin.advance_to(1.0)
+    deep = float(position(twin, "thing")[0]) + size[0] / 2 - 1
+    assert deep < depth_in_mujoco(size, mass, force)
+
+
+PUSHES = rods_and_plates(20)
+SAID = [(e, case) for e in ENGINES for case in PUSHES if way_of_a_step(e, *case[1:]) > case[0][2] / 2]
+HELD = [(e, case) for e in ENGINES for case in PUSHES if way_of_a_step(e, *case[1:]) <= case[0][2] / 2]
+
+
+@pytest.mark.parametrize(("engine", "case"), HELD[::8], ids=str)
+def test_a_wall_holds_what_is_pushed_into_it_end_on(tmp_path, engine, case):
+    check_push(tmp_path, engine, *case)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "case"), HELD, ids=str)
+def test_walls_hold_what_is_pushed_into_them_end_on(tmp_path, engine, case):
+    check_push(tmp_path, engine, *case)
+
+
+@pytest.mark.parametrize(("engine", "case"), SAID, ids=str)
+def test_a_push_that_a_step_is_too_long_for_is_said(tmp_path, caplog, engine, case):
+    size, mass, force = case
+    twin = Scene(tmp_path, engine, plane()).add("thing", box(size, mass), (0, 0, size[2] / 2)).build()
+    twin.apply_wrench("thing", force=(force, 0, 0), duration=2.0)
+    way = 1e3 * way_of_a_step(engine, mass, force)
+    said = f"thing: {force:g} N move {mass:.3g} kg by {way:.3g} mm in a step of 10 ms: it may pass through walls"
+    assert [record.getMessage().startswith(said) for record in caplog.records] == [True]
+    caplog.clear()
+    twin.apply_wrench("thing", force=(force / 100, 0, 0), duration=2.0)
+    assert not caplog.records
 
 
 def check_tipping(folder, engine, how, size, mass, is_mesh):

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import pytest
+from drake_twin.planning.servo_plan import position_time_constant
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.errors import InputError
-from drake_twin.planning.servo_plan import position_time_constant
 
 ARM = """<robot name="arm">
   <link name="base"><inertial><mass value="1"/>
