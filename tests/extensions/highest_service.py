@@ -5,7 +5,7 @@ from drake_twin.services.registry import robot_service, twin_service
 
 @twin_service("std_srvs/srv/Trigger", "/highest_robot")
 def highest_robot(twin, request):
-    heights = {plan.name: twin.robot_state(plan.name).base_pose[2] for plan in twin.plans}
+    heights = {plan.name: twin.robot_state(plan.name).base_pose[2] for plan in twin.built.plans}
     return {"success": True, "message": max(heights, key=heights.get)}
 
 

@@ -109,7 +109,7 @@ def held_by_bundled(folder, engine, width, force, **cube) -> Grip:
     at = hand.closed_to(width - TOUCHES)
     file = ARM
     if force is not None:
-        text = TwinBuilder().robot("arm", ARM).build().plans[0].description.text
+        text = TwinBuilder().robot("arm", ARM).build().built.plans[0].description.text
         limit = f'effort="{abs(hand.effort(width, force))}"'
         text, count = re.subn(r'(name="joint_4".*?)effort="[^"]*"', rf"\g<1>{limit}", text, count=1, flags=re.DOTALL)
         assert count == 1

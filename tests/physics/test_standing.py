@@ -135,9 +135,9 @@ def check_standing_body(folder, engine, seconds, body):
     rpy = trimesh.transformations.euler_from_matrix(matrix)
     twin = scene.add("thing", body.urdf(folder), (0, 0, height), rpy).build()
     twin.advance_to(seconds)
-    state = twin.entity_state("thing")
+    state = twin.entities.state("thing")
     tilt = float(np.arccos(min(1.0, float(upright(state.orientation) @ body.turn[2]))))
-    slab = twin.entity_state("slab").position[2] - top / 2 if body.ground == "slab" else 0.0
+    slab = twin.entities.state("slab").position[2] - top / 2 if body.ground == "slab" else 0.0
     # What still leans by so much has its centre of mass above where it should be.
     raised = body.reach * tilt
     assert -1e-5 - raised < body.height + top + slab - state.position[2] < DEEPEST
@@ -206,7 +206,7 @@ def check_push(folder, engine, size, mass, force):
     wall = static("<box><size>0.1 2 2</size></box>", (1.05, 0, 0, 0, 0, 0), name="wall")
     scene = Scene(folder, engine, wall + plane(friction=0.001))
     twin = scene.add("thing", box(size, mass, friction=0.001), (0.999 - size[0] / 2, 0, size[2] / 2)).build()
-    twin.apply_wrench("thing", force=(force, 0, 0), duration=2.0)
+    twin.entities.apply_wrench("thing", force=(force, 0, 0), duration=2.0)
     twin.advance_to(1.0)
     deep = float(position(twin, "thing")[0]) + size[0] / 2 - 1
     assert deep < depth_in_mujoco(size, mass, force)
@@ -232,12 +232,12 @@ def test_walls_hold_what_is_pushed_into_them_end_on(tmp_path, engine, case):
 def test_a_push_that_a_step_is_too_long_for_is_said(tmp_path, caplog, engine, case):
     size, mass, force = case
     twin = Scene(tmp_path, engine, plane()).add("thing", box(size, mass), (0, 0, size[2] / 2)).build()
-    twin.apply_wrench("thing", force=(force, 0, 0), duration=2.0)
+    twin.entities.apply_wrench("thing", force=(force, 0, 0), duration=2.0)
     way = 1e3 * way_of_a_step(engine, mass, force)
     said = f"thing: {force:g} N move {mass:.3g} kg by {way:.3g} mm in a step of 10 ms: it may pass through walls"
     assert [record.getMessage().startswith(said) for record in caplog.records] == [True]
     caplog.clear()
-    twin.apply_wrench("thing", force=(force / 100, 0, 0), duration=2.0)
+    twin.entities.apply_wrench("thing", force=(force / 100, 0, 0), duration=2.0)
     assert not caplog.records
 
 
