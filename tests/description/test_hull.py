@@ -1,4 +1,4 @@
-"""Hulls: coarse ones of many points, and the corners that make triangles of hardly any area; the sides on which they stand."""
+"""Hulls: coarse ones of many points, slivers at their corners, their sides, and those on which they stand."""
 
 import numpy as np
 import pytest
