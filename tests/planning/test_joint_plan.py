@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import pytest
-from drake_twin.planning.servo_plan import position_time_constant
 
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_model import load_robot_model
 from drake_twin.errors import InputError
+from drake_twin.planning.plan_robot import plan_robot
+from drake_twin.scenario import Robot
 
 ARM = """<robot name="arm">
   <link name="base"><inertial><mass value="1"/>
@@ -23,7 +23,7 @@ def constant(tmp_path):
     def constant_(gain):
         file = tmp_path / "arm.urdf"
         file.write_text(ARM.format(gain=gain))
-        return position_time_constant(load_robot_model(str(file), PackageIndex()).description, 100.0)
+        return plan_robot(Robot("arm", str(file)), PackageIndex()).joints.position_time_constant
 
     return constant_
 
