@@ -102,7 +102,7 @@ def round_hull(shape: Convex) -> RoundHull | None:
         lengths = [hypot(*step) for step in zip(np.diff(radii), np.diff(places), strict=True)]
         side = int(np.argmax(lengths))
         steep = (places[side + 1] - places[side]) / lengths[side]
-        if lengths[side] >= _LEAST_SIDE * sum(lengths) and steep >= _STEEPEST:
+        if max(radii) > near and lengths[side] >= _LEAST_SIDE * sum(lengths) and steep >= _STEEPEST:
             X_GA = RigidTransform(RotationMatrix.MakeFromOneVector(np.eye(3)[axis], 2), center)
             return RoundHull(X_GA, tuple(radii), tuple(places), side)
     return None

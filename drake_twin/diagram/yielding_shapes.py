@@ -48,6 +48,7 @@ _CORE = 0.5
 _CORES = (_CORE, 0.2, 0.05)
 _HOLLOW = 1e-4  # the middles of the sides, relative to their distance from the body's middle
 _MOST_HOLLOW = 1e-5  # of a corner's distance (m): what is heavy sinks in by 25 µm
+_MOST_OF_DEPTH = 0.05  # the same, of the core's depth
 _DIGITS = 12  # decimals of a place (m): the last bits of what is solved differ between SciPy's versions
 _MOST_SIDES = 64  # of a hull with a core; more take a second to prepare, and belong to round things
 
@@ -201,10 +202,13 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
     return np.array(places), list(known.values())
 
 
-def _hollow(surface: np.ndarray) -> np.ndarray:
-    """Return the points of a surface around the origin (n×3, m), whose sides become hollow; the farthest stay."""
+def _hollow(surface: np.ndarray, depth: float) -> np.ndarray:
+    """Return the points of a surface around the origin (n×3, m), whose sides become hollow; the farthest stay.
+
+    They are far from reaching a core at a depth (m).
+    """
     squares = (surface**2).sum(axis=1)
-    share = min(_HOLLOW, _MOST_HOLLOW / float(squares.max()) ** 0.5)
+    share = min(_HOLLOW, min(_MOST_HOLLOW, _MOST_OF_DEPTH * depth) / float(squares.max()) ** 0.5)
     farther = 1 - share * (1 - squares / squares.max())
     return np.asarray(np.round(surface * farther[:, None], _DIGITS))
 
@@ -225,7 +229,7 @@ def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Tri
         cells = _cells(normals, distances, depth, surface - middle, triangles)
         if cells is not None and _is_closed(tetrahedra := _tetrahedra(*cells), len(triangles)):
             inside = cells[0][: -len(surface)]
-            return _vtk(np.vstack([inside, _hollow(surface - middle)]) + middle, tetrahedra), depth
+            return _vtk(np.vstack([inside, _hollow(surface - middle, depth)]) + middle, tetrahedra), depth
     return None
 
 
@@ -342,7 +346,9 @@ def _fine_box(x: float, y: float, z: float) -> str:
         cells.append(polygons)
     places = np.array(list(points))
     tetrahedra = _tetrahedra(places, cells)
-    return _vtk(np.vstack([places[: len(corners)], _hollow(places[len(corners) :])]), tetrahedra)
+    return _vtk(
+        np.vstack([places[: len(corners)], _hollow(places[len(corners) :], _CORE * size.min() / 2)]), tetrahedra
+    )
 
 
 def _around(corners: dict[tuple[int, ...], int], axis: int, side: int) -> Polygon:
