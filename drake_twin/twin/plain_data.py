@@ -91,7 +91,7 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
     else:
         value = found(**{key: _of_kind(kinds.get(key), from_plain(item)) for key, item in data.items()})
     for field, kind_of_field in kinds.items():
-        if misfit(kind_of_field, getattr(value, field)) is not None:
+        if misfit(kind_of_field, getattr(value, field), (tuple, list)) is not None:
             raise ValueError(f"{messages.shortened(getattr(value, field))} is not a valid {field} of {name}")
     return value
 

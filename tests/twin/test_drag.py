@@ -1,5 +1,7 @@
 """Links are pushed at a point and dragged with a spring, as Newton says; recorded, and free of cost for the others."""
 
+from operator import attrgetter
+
 import numpy as np
 import pytest
 from conftest import ARM, rovers
@@ -8,6 +10,7 @@ from world_with_crate import CRATE_AT, rover_and_crate
 from drake_twin import Recording, Snapshot, Twin, TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.scenario import World
+from drake_twin.twin.recording import CALLS
 from drake_twin.twin.replay import replay
 
 BOX = """<robot name="box"><link name="base"><inertial><mass value="2"/>
@@ -119,7 +122,7 @@ def test_a_dragged_run_replays_to_the_same_hash_with_and_without_listeners(tmp_p
     middle.restore(twin.recorder.recording().start)
     for call in twin.recorder.recording().calls:
         middle.advance_to(call.time)
-        getattr(middle, call.name)(*call.arguments, **call.named)
+        attrgetter(CALLS[call.name])(middle)(*call.arguments, **call.named)
         middle.snapshot().save(tmp_path / "half.json")
     middle.restore(Snapshot.load(tmp_path / "half.json"))  # while the rover is dragged, off the grid
     middle.advance_to(1.233)

@@ -531,7 +531,7 @@ def test_a_callback_cannot_advance_or_reset_the_twin_that_calls_it(twin, call):
         lambda twin: twin.run(float("nan")),
         lambda twin: twin.subscribe("/clock", print, rate=float("inf")),
         lambda twin: twin.subscribe("/clock", print, rate=1e-320),
-        lambda twin: setattr(twin, "real_time_rate", 0),
+        lambda twin: setattr(twin.clock, "real_time_rate", 0),
         lambda twin: twin.robot_state(3),
         lambda twin: twin.entities.set_joint_positions("robot_1", {"knee": 1.0}),
         lambda twin: twin.entities.set_joint_positions("robot_1", {"robot_1_rear_left_wheel_joint": np.nan}),
