@@ -6,7 +6,7 @@ of the supports' stiffness is far from the center of mass, the stiffness of each
 all of them sink in alike, and land alike.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import fsum
@@ -50,21 +50,25 @@ def share_weight(
         models: The robots and the moving models of the world.
     """
     found = list(shapes)
+    inboard = {int(joint.child_body().index()): joint for joint in map(plant.get_joint, plant.GetJointIndices())}
+    of_model: dict[str, dict[int, ContactShape]] = {}
+    for index, shape in enumerate(shapes):
+        if shape.group is not None:
+            of_model.setdefault(shape.group.model, {})[index] = shape
     for model in models:
-        own = [index for index, shape in enumerate(shapes) if shape.group and shape.group.model == model.name]
-        if not own or any(shapes[index].is_loose or shapes[index].is_roller for index in own):
+        own = of_model.get(model.name, {})
+        if not own or any(shape.is_loose or shape.is_roller for shape in own.values()):
             continue
-        bodies = _bodies(plant, model)
+        bodies = _bodies(plant, model, inboard)
         if bodies is not None:
-            for index, support in _supports({index: shapes[index] for index in own}, bodies):
+            for index, support in _supports(own, bodies):
                 is_flat = found[index].is_flat and support.area > 0
                 found[index] = replace(found[index], support=support, is_flat=is_flat)
     return found
 
 
-def _bodies(plant: MultibodyPlant, model: ContactModel) -> dict[int, _Body] | None:
-    """Return a robot's bodies at the start; None if it does not move freely."""
-    inboard = {int(joint.child_body().index()): joint for joint in map(plant.get_joint, plant.GetJointIndices())}
+def _bodies(plant: MultibodyPlant, model: ContactModel, inboard: Mapping[int, Joint]) -> dict[int, _Body] | None:
+    """Return a robot's bodies at the start, by the joint above each; None if it does not move freely."""
     found: dict[int, _Body] = {}
 
     def pose(body: RigidBody) -> RigidTransform | None:

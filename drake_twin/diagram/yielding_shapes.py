@@ -64,12 +64,15 @@ class Yielding:
     Attributes:
         shape: The shape: of a hull and of a loose box a fine mesh.
         depth: How deep the pressure rises behind each of its sides (m); None where it rises to the middle of a hull.
-        is_hollow: Whether its sides are, so that a margin does no harm in engines with fixed steps.
     """
 
     shape: Shape
     depth: float | None
-    is_hollow: bool = False
+
+    @property
+    def is_hollow(self) -> bool:
+        """Whether its sides are, so that a margin does no harm in engines with fixed steps."""
+        return self.depth is not None and isinstance(self.shape, Mesh)
 
 
 def yielding(shape: ContactShape) -> Yielding:
@@ -82,13 +85,13 @@ def yielding(shape: ContactShape) -> Yielding:
             name = hull_name(source.path(), scale)
         else:
             text, depth = _fine_hull(form, shape.is_loose)
-        return Yielding(form if text is None else _mesh(text, name), depth, is_hollow=depth is not None)
+        return Yielding(form if text is None else _mesh(text, name), depth)
     if not isinstance(form, Box):
         return Yielding(form, min(form.radius(), form.length() / 2) if isinstance(form, Cylinder) else None)
     middle = float(min(form.size())) / 2
     if not shape.is_loose:
         return Yielding(form, middle)
-    return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle, is_hollow=True)
+    return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle)
 
 
 def divided(shape: ContactShape) -> Shape:
