@@ -60,8 +60,8 @@ def test_a_ring_turns_about_its_axis(crates):
     it.frames(lambda: it.twin.entities.state("crate").orientation[3] > 0.2)
     w, qx, qy, qz = it.twin.entities.state("crate").orientation
     assert (w, qz) == pytest.approx((2**-0.5, 2**-0.5), abs=0.05)
-    assert (qx, qy) == pytest.approx((0, 0), abs=1e-9)
-    assert it.twin.entities.state("crate").position == pytest.approx(at, abs=1e-9)
+    assert (qx, qy) == pytest.approx((0, 0), abs=1e-6)  # as level as it settled
+    assert it.twin.entities.state("crate").position == pytest.approx(at, abs=1e-6)
 
 
 def test_numbers_move_a_static_model_and_buttons_delete_and_duplicate(crates):
