@@ -4,30 +4,14 @@ The nodes are each robot's ``robot_state_publisher``, its ``controller_manager``
 parameters are those that the robot's files give; they do not change while the twin runs.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-import numpy as np
-
+from drake_twin.messages.parameter_value import python_value, type_of, value_fields
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.services.registry import Fields, Service
 from drake_twin.twin.twin import Twin
-
-_NOT_SET = 0
-_TYPES = {bool: 1, int: 2, float: 3, str: 4}  # rcl_interfaces/msg/ParameterType
-_ARRAY_TYPES = {bool: 6, int: 7, float: 8, str: 9}
-_FIELDS = {
-    1: "bool_value",
-    2: "integer_value",
-    3: "double_value",
-    4: "string_value",
-    5: "byte_array_value",
-    6: "bool_array_value",
-    7: "integer_array_value",
-    8: "double_array_value",
-    9: "string_array_value",
-}
 
 Parameters = Mapping[str, Any]
 _Answer = Callable[[Parameters, Any], Fields]
@@ -64,17 +48,17 @@ def _flat(parameters: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str
 
 
 def _get_parameters(parameters: Parameters, request: Any) -> Fields:
-    return {"values": [_value(parameters.get(name)) for name in request.names]}
+    return {"values": [value_fields(parameters.get(name)) for name in request.names]}
 
 
 def _get_parameter_types(parameters: Parameters, request: Any) -> Fields:
-    return {"types": [_type(parameters.get(name)) for name in request.names]}
+    return {"types": [type_of(parameters.get(name)) for name in request.names]}
 
 
 def _describe_parameters(parameters: Parameters, request: Any) -> Fields:
     return {
         "descriptors": [
-            {"name": name, "type": _type(parameters.get(name)), "read_only": name in parameters}
+            {"name": name, "type": type_of(parameters.get(name)), "read_only": name in parameters}
             for name in request.names
         ]
     }
@@ -105,27 +89,9 @@ def _set_parameters_atomically(parameters: Parameters, request: Any) -> Fields:
 
 def _set(parameters: Parameters, item: Any) -> Fields:
     """Return whether a parameter has the value already, for it cannot be changed."""
-    field = _FIELDS.get(item.value.type)
-    wanted = None if field is None else getattr(item.value, field)
-    if isinstance(wanted, np.ndarray):
-        wanted = wanted.tolist()
-    is_same = item.name in parameters and _value(parameters[item.name]) == _value(wanted)
+    is_same = item.name in parameters and value_fields(parameters[item.name]) == value_fields(python_value(item.value))
     reason = f"parameter {item.name!r} cannot be changed while the twin runs: the robot's files give it"
     return {"successful": is_same, "reason": "" if is_same else reason}
-
-
-def _type(value: Any) -> int:
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        kinds = {type(item) for item in value}
-        kind = float if kinds == {int, float} else kinds.pop() if len(kinds) == 1 else None
-        return _ARRAY_TYPES.get(kind, _NOT_SET) if kind is not None else _NOT_SET
-    return _TYPES.get(type(value), _NOT_SET)
-
-
-def _value(value: Any) -> Fields:
-    """Return the fields of a ``ParameterValue``; of type 0 for what ROS has no type for."""
-    kind = _type(value)
-    return {"type": kind} if kind == _NOT_SET else {"type": kind, _FIELDS[kind]: value}
 
 
 _ANSWERS: dict[str, tuple[str, _Answer]] = {

@@ -2,10 +2,11 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
+from drake_twin.messages.parameter_value import NOT_SET, python_value, type_of, value_fields
 from drake_twin.program import ArgumentParser
 from drake_twin.tools.verb import Verb, run_verbs, yaml_values
 
@@ -13,20 +14,17 @@ if TYPE_CHECKING:
     from drake_twin.client import Client
 
 _LIST = "/list_parameters"
-# rcl_interfaces/msg/ParameterType → what is said, and the field of the value.
-_TYPES = {
-    1: ("Boolean value is:", "bool_value"),
-    2: ("Integer value is:", "integer_value"),
-    3: ("Double value is:", "double_value"),
-    4: ("String value is:", "string_value"),
-    5: ("Byte values are:", "byte_array_value"),
-    6: ("Boolean values are:", "bool_array_value"),
-    7: ("Integer values are:", "integer_array_value"),
-    8: ("Double values are:", "double_array_value"),
-    9: ("String values are:", "string_array_value"),
+_LABELS = {  # rcl_interfaces/msg/ParameterType → what is said before a value
+    1: "Boolean value is:",
+    2: "Integer value is:",
+    3: "Double value is:",
+    4: "String value is:",
+    5: "Byte values are:",
+    6: "Boolean values are:",
+    7: "Integer values are:",
+    8: "Double values are:",
+    9: "String values are:",
 }
-_BY_CLASS = {bool: 1, int: 2, float: 3, str: 4}
-_ARRAYS_BY_CLASS = {bool: 6, int: 7, float: 8, str: 9}
 
 
 def _node(client: "Client", name: str) -> str:
@@ -69,15 +67,13 @@ def _add_get(parser: ArgumentParser) -> None:
 def _get(client: "Client", options: argparse.Namespace) -> int:
     node = _node(client, options.node_name)
     (value,) = client.call(f"{node}/get_parameters", {"names": [options.parameter_name]}).values
-    if value.type not in _TYPES:
+    if value.type not in _LABELS:
         known = client.call(node + _LIST).result.names
         raise InputError(
             f"{node} has no parameter {options.parameter_name!r}", value=options.parameter_name, valid=known
         )
-    label, field = _TYPES[value.type]
-    own = getattr(value, field)
-    own = own.tolist() if hasattr(own, "tolist") else own
-    print(own if options.hide_type else f"{label} {own}")
+    own = python_value(value)
+    print(own if options.hide_type else f"{_LABELS[value.type]} {own}")
     return 0
 
 
@@ -98,16 +94,11 @@ def _set(client: "Client", options: argparse.Namespace) -> int:
     return 1
 
 
-def _value(text: str) -> dict[str, Any]:
+def _value(text: str) -> Mapping[str, Any]:
     """Return a value as fields of a ``ParameterValue``; what is neither a number nor a list is a text."""
     data = yaml_values(text)
-    if type(data) in _BY_CLASS:
-        kind = _BY_CLASS[type(data)]
-    elif isinstance(data, list) and len({*map(type, data)}) == 1 and type(data[0]) in _ARRAYS_BY_CLASS:
-        kind = _ARRAYS_BY_CLASS[type(data[0])]
-    else:
-        kind, data = 4, text
-    return {"type": kind, _TYPES[kind][1]: data}
+    is_mixed = isinstance(data, list) and len({*map(type, data)}) > 1
+    return value_fields(text if is_mixed or type_of(data) == NOT_SET else data)
 
 
 VERBS = {

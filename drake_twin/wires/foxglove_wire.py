@@ -1,8 +1,6 @@
 """Foxglove's web socket: the topics for any viewer that speaks it, and, if asked for, commands and services."""
 
 import contextlib
-import json
-import logging
 import socket
 import threading
 import time
@@ -11,21 +9,20 @@ from typing import Any
 from uuid import uuid4
 
 from drake_twin.errors import InputError
-from drake_twin.messages.interface_types import definition, make, serialize
+from drake_twin.messages.interface_types import definition
 from drake_twin.requirements import missing
+from drake_twin.wires.foxglove_clients import CDR, JSON, FoxgloveClients
+from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, FoxgloveGraph
 from drake_twin.wires.foxglove_log import log_causes_once
+from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.foxglove_service import FoxgloveService
-from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import Closable, Reply, Sender, WireEndpoint
 
-_log = logging.getLogger(__name__)
 PORT = 8765
 _CLOCK = "rosgraph_msgs/msg/Clock"
 _MOST_WAITING = 512  # messages for a client that reads slowly; the oldest are dropped
 _FRAME = 10_000_000  # ns of simulated time between two broadcasts of it
 _LONGEST_CLOSE = 2.0  # s of wall time
-_MOST_LINES = 100  # of the log
-_MOST_CHANNELS = 1000  # that clients may offer at the same time
-_CDR, _JSON = "cdr", "json"
 
 
 class FoxgloveWire:
@@ -60,9 +57,13 @@ class FoxgloveWire:
             from foxglove.websocket import Capability
         except ImportError:
             raise missing("--foxglove needs", "foxglove") from None
-        capabilities = [Capability.Time, *((Capability.ClientPublish, Capability.Services) if control else ())]
+        shown = Capability.Time, Capability.Parameters, Capability.ConnectionGraph
+        capabilities = [*shown, *((Capability.ClientPublish, Capability.Services) if control else ())]
         self._context = foxglove.Context()
-        self._clients = _Clients(self._join)
+        self._graph = FoxgloveGraph(lambda graph: self._server.publish_connection_graph(graph))
+        self._parameters = FoxgloveParameters()
+        watched = self._graph.watch
+        self._clients = FoxgloveClients(self._join, self._parameters, watched, control=control)
         self._control = control
         self._latest = self._told = -1
         self._servers: set[FoxgloveService] = set()
@@ -74,7 +75,7 @@ class FoxgloveWire:
                 port=port,
                 capabilities=capabilities,
                 server_listener=self._clients,
-                supported_encodings=[_CDR, _JSON] if control else [],
+                supported_encodings=[CDR, JSON] if control else [],
                 asset_handler=asset,
                 context=self._context,
                 session_id=uuid4().hex,
@@ -90,26 +91,43 @@ class FoxgloveWire:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
         if not self._is_readable(topic):
             return _Nothing()
+        self._graph.add(PUBLISHED, topic)
         return _Sender(self, self._clients, topic, listened)
 
     def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
         """Hear a topic; see `drake_twin.wires.wire.Wire`."""
-        if not self._control:
-            return _Nothing()
-        self._clients.heard[topic.name] = topic, heard
-        return _End(lambda: self._clients.heard.pop(topic.name, None))
+        self._graph.add(SUBSCRIBED, topic)
+        if self._control:
+            self._clients.heard[topic.name] = topic, heard
+
+        def end() -> None:
+            self._graph.remove(SUBSCRIBED, topic)
+            self._clients.heard.pop(topic.name, None)
+
+        return _End(end)
 
     def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
         """Offer a service; see `drake_twin.wires.wire.Wire`."""
-        if not self._control or not self._is_readable(service):
-            return _Nothing()
+        self._graph.add(SERVED, service)
+        self._parameters.add(service, answer)
+        offered = self._offer(service, answer) if self._control and self._is_readable(service) else _Nothing()
+
+        def end() -> None:
+            self._graph.remove(SERVED, service)
+            self._parameters.remove(service)
+            offered.close()
+
+        return _End(end)
+
+    def _offer(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
+        """Let clients call a service."""
         from foxglove import Schema
         from foxglove.websocket import MessageSchema, Service, ServiceSchema
 
         def schema(part: str) -> MessageSchema:
             name = f"{service.type}_{part}"
             text = Schema(name=name, encoding="ros2msg", data=definition(name).encode())
-            return MessageSchema(encoding=_CDR, schema=text)
+            return MessageSchema(encoding=CDR, schema=text)
 
         def end(server: FoxgloveService) -> None:
             self._servers.discard(server)
@@ -129,6 +147,7 @@ class FoxgloveWire:
 
     def close(self) -> None:
         """Stop the server; requests that wait for a response fail."""
+        self._graph.close()
         for server in tuple(self._servers):
             server.close()
         self._server.stop()
@@ -141,7 +160,11 @@ class FoxgloveWire:
         from foxglove import Channel, Schema
 
         schema = Schema(name=topic.type, encoding="ros2msg", data=topic.definition.encode())
-        return Channel(topic.name, message_encoding=_CDR, schema=schema, context=self._context)
+        return Channel(topic.name, message_encoding=CDR, schema=schema, context=self._context)
+
+    def forget(self, topic: WireEndpoint) -> None:
+        """Forget a topic whose channel is closed."""
+        self._graph.remove(PUBLISHED, topic)
 
     def follow_time(self, now: int) -> None:
         """Follow the simulation time (ns), in the sender's thread; when it jumps back, clients start over.
@@ -198,7 +221,9 @@ class _Sender:
         is_clock: Whether the topic is the clock, which is followed while any client subscribes to anything.
     """
 
-    def __init__(self, wire: FoxgloveWire, clients: "_Clients", topic: WireEndpoint, listened: Callable[[bool], None]):
+    def __init__(
+        self, wire: FoxgloveWire, clients: FoxgloveClients, topic: WireEndpoint, listened: Callable[[bool], None]
+    ):
         self.is_heard = topic.latched
         self.is_clock = topic.type == _CLOCK
         self._wire, self._clients, self._topic, self._listened = wire, clients, topic, listened
@@ -233,6 +258,7 @@ class _Sender:
                 self._open()
 
     def close(self) -> None:
+        self._wire.forget(self._topic)
         with self._lock:
             self._is_closed = True
             self._close()
@@ -248,118 +274,3 @@ class _Sender:
         self._clients.remove(self._number)
         self._channel.close()
         _channels_by_id.pop(self._number, None)  # the SDK keeps each channel as long as the process lives
-
-
-class _Clients:
-    """What clients do; the methods ``on_…`` are called in the server's threads.
-
-    Subscribers are counted here: a channel cannot be asked for them while another thread closes it.
-
-    Args:
-        joined: Called for a client that joins others.
-
-    Attributes:
-        heard: Topic → its endpoint and what hears its messages.
-        lock: Guards the subscribers. The server is not called with it held, for it calls back with locks of its own.
-    """
-
-    def __init__(self, joined: Callable[[], None]):
-        self._joined = joined
-        self.lock = threading.Lock()
-        self._senders: dict[int, _Sender] = {}
-        self._subscribers: dict[int, set[int]] = {}  # channel → clients
-        self.heard: dict[str, tuple[WireEndpoint, Callable[[bytes], None]]] = {}
-        self._channels: dict[tuple[int, int], Any] = {}
-        self._logged: set[tuple[str, str]] = set()
-
-    @property
-    def are_there(self) -> bool:
-        """Whether any client subscribes to anything."""
-        return bool(self._subscribers)
-
-    def have(self, channel: int) -> bool:
-        """Tell whether any client subscribes to a channel."""
-        return bool(self._subscribers.get(channel))
-
-    def add(self, channel: int, sender: _Sender) -> None:
-        """Add a channel, which clients may have found already."""
-        with self.lock:
-            self._senders[channel] = sender
-        sender.follow(joined=False)
-
-    def remove(self, channel: int) -> None:
-        """Remove a channel."""
-        with self.lock:
-            self._senders.pop(channel, None)
-            self._subscribers.pop(channel, None)
-
-    def senders(self) -> tuple[_Sender, ...]:
-        """Return the senders of all channels."""
-        with self.lock:
-            return tuple(self._senders.values())
-
-    def on_subscribe(self, client: Any, channel: Any) -> None:
-        with self.lock:
-            joins_others = self.are_there  # without any, nothing follows the time
-            self._subscribers.setdefault(channel.id, set()).add(client.id)
-        self._follow(channel.id, joined=True)
-        if joins_others:
-            self._joined()
-
-    def on_unsubscribe(self, client: Any, channel: Any) -> None:
-        with self.lock:
-            clients = self._subscribers.get(channel.id, set())
-            clients.discard(client.id)
-            if not clients:
-                self._subscribers.pop(channel.id, None)
-        self._follow(channel.id, joined=False)
-
-    def on_client_advertise(self, client: Any, channel: Any) -> None:
-        if channel.topic not in self.heard:
-            self.log(channel.topic, "nothing listens to it")
-        elif channel.encoding not in (_CDR, _JSON):
-            self.log(channel.topic, f"the encoding {channel.encoding!r} is not read: {_CDR} and {_JSON} are")
-        elif len(self._channels) >= _MOST_CHANNELS:
-            self.log(channel.topic, f"more than {_MOST_CHANNELS} channels of clients")
-        else:
-            topic, _ = self.heard[channel.topic]
-            if channel.schema_name not in (topic.type, topic.type.replace("/msg/", "/")):
-                self.log(topic.name, f"a {channel.schema_name} is ignored: the topic's type is {topic.type}")
-                return
-            self._channels[client.id, channel.id] = channel
-
-    def on_client_unadvertise(self, client: Any, client_channel_id: int) -> None:
-        self._channels.pop((client.id, client_channel_id), None)
-
-    def on_message_data(self, client: Any, client_channel_id: int, data: bytes) -> None:
-        channel = self._channels.get((client.id, client_channel_id))
-        if channel is None or channel.topic not in self.heard:
-            return
-        topic, heard = self.heard[channel.topic]
-        if len(data) > LARGEST:
-            self.log(topic.name, f"a message of more than {LARGEST} bytes is ignored")
-            return
-        if channel.encoding == _JSON:
-            try:
-                data = serialize(make(topic.type, json.loads(data)))
-            except (ValueError, RecursionError) as error:  # a UnicodeDecodeError, too
-                self.log(topic.name, f"a message is not a {topic.type}: {error}", "decoding")
-                return
-        heard(data)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("on_"):  # what clients do beside it is of no interest
-            return lambda *_: None
-        raise AttributeError(name)
-
-    def _follow(self, channel: int, *, joined: bool) -> None:
-        for number, sender in tuple(self._senders.items()):
-            if number == channel or sender.is_clock:
-                sender.follow(joined=joined and number == channel)
-
-    def log(self, topic: str, text: str, cause: str = "") -> None:
-        """Log once per topic and cause."""
-        key = topic, cause or text
-        if key not in self._logged and len(self._logged) < _MOST_LINES:
-            self._logged.add(key)
-            _log.warning("%s: %s", topic, text)

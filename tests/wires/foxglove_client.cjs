@@ -46,6 +46,8 @@ client.on("serviceCallResponse", ({ callId, data }) => {
   tell({ event: "response", callId, message: reader.readMessage(data) });
 });
 client.on("serviceCallFailure", ({ callId, message }) => tell({ event: "failure", callId, text: message }));
+client.on("parameterValues", ({ parameters, id }) => tell({ event: "parameters", parameters, id }));
+client.on("connectionGraphUpdate", (update) => tell({ event: "graph", ...update }));
 client.on("fetchAssetResponse", (asset) =>
   tell({ event: "asset", requestId: asset.requestId, text: asset.error, data: asset.data && base64(asset.data) }),
 );
@@ -92,6 +94,9 @@ const actions = {
     client.sendServiceCallRequest({ serviceId: offered.id, callId, encoding, data: bytes });
   },
   fetch: ({ uri, requestId }) => client.fetchAsset(uri, requestId),
+  getParameters: ({ names, id }) => client.getParameters(names, id),
+  setParameters: ({ parameters, id }) => client.setParameters(parameters, id),
+  watchGraph: () => client.subscribeConnectionGraph(),
   raw: ({ data, text }) => socket.send(text ?? Buffer.from(data, "base64")),
   publishZeros: ({ channel, size }) => client.sendMessage(channel, Buffer.alloc(size)),
   flood: ({ channel, count, data }) => {

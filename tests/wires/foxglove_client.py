@@ -117,6 +117,20 @@ class FoxgloveClient:
             raise RuntimeError(answer["text"])
         return base64.b64decode(answer["data"])
 
+    def parameters(self, *names: str) -> dict[str, Any]:
+        """Ask for parameters, or for all; return their values."""
+        return self._parameters("getParameters", names=names)
+
+    def set_parameters(self, **arguments: Any) -> dict[str, Any]:
+        """Set parameters, each as the protocol has it; return the values that the server says they have then."""
+        return self._parameters("setParameters", **arguments)
+
+    def _parameters(self, action: str, **arguments: Any) -> dict[str, Any]:
+        self._calls += 1
+        self.do(action, id=str(self._calls), **arguments)
+        found = self.first("parameters", id=str(self._calls))["parameters"]
+        return {item["name"]: item.get("value") for item in found}
+
     def close(self) -> None:
         with contextlib.suppress(OSError):
             self._process.kill()

@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
+from drake_twin.wires.foxglove_clients import FoxgloveClients
+from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.foxglove_wire import FoxgloveWire
 from drake_twin.wires.wire import WireEndpoint
 
@@ -121,7 +123,8 @@ def test_a_topic_of_empty_messages_is_offered(wire):
 def test_a_service_that_ends_fails_the_requests_that_wait(wire):
     """As when its robot is deleted while they wait."""
     asked = []
-    server = wire.serve(TRIGGER, lambda data, reply: asked.append(reply))
+    offered = wire.serve(TRIGGER, lambda data, reply: asked.append(reply))
+    (server,) = wire._servers
     request = SimpleNamespace(payload=b"request")
     with ThreadPoolExecutor(2) as threads:
         waiting = threads.submit(server.handle, request)
@@ -132,7 +135,7 @@ def test_a_service_that_ends_fails_the_requests_that_wait(wire):
             assert not answered.done()
         asked[1](b"answer")
         assert answered.result() == b"answer"
-        server.close()
+        offered.close()
         with pytest.raises(RuntimeError, match="/trigger has ended"):
             waiting.result()
     asked[0](b"too late")
@@ -166,9 +169,7 @@ def test_any_json_is_a_message_or_refused(value, noise):
 
 def _listening(kind, heard):
     """Clients of which one offers JSON on a topic that is listened to."""
-    from drake_twin.wires.foxglove_wire import _Clients
-
-    clients = _Clients(lambda: None)
+    clients = FoxgloveClients(lambda: None, FoxgloveParameters(), lambda is_watched: None, control=True)
     clients.heard["/topic"] = WireEndpoint("/topic", kind, "RIHS01_0", "/node"), heard
     channel = SimpleNamespace(id=1, topic="/topic", encoding="json", schema_name=kind)
     clients.on_client_advertise(SimpleNamespace(id=1), channel)

@@ -139,7 +139,7 @@ def test_without_control_nothing_is_offered_to_clients(shown):
     twin, place = shown
     with foxglove_peer(place) as client:
         capabilities = client.of("info")[0]["info"]["capabilities"]
-        assert set(capabilities) == {"time", "assets"}
+        assert set(capabilities) == {"time", "assets", "connectionGraph", "parameters", "parametersSubscribe"}
         client.publish(COMMANDS, ARRAY, serialize(float64_multi_array([3.0] * 4)))
         while_running(twin, lambda: (client.subscribe(STATES), client.wait("message", 20, topic=STATES)))
         assert not client.of("service")
@@ -189,7 +189,7 @@ def test_what_cannot_be_read_is_one_line_of_the_log(controlled, caplog):
 
         with caplog.at_level(logging.WARNING):
             while_running(twin, work)
-    lines = [item.getMessage() for item in caplog.records if item.name == "drake_twin.wires.foxglove_wire"]
+    lines = [item.getMessage() for item in caplog.records if item.name == "drake_twin.wires.foxglove_clients"]
     lines += [item.getMessage() for item in caplog.records if item.name == "drake_twin.wires.seam"]
     assert len(lines) == 3
     assert any(line.startswith("/nobody: nothing listens to it") for line in lines)

@@ -1,0 +1,192 @@
+"""What clients of Foxglove do: whom they listen to, what they publish, and which parameters they ask for."""
+
+import json
+import logging
+import threading
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+from drake_twin.messages.interface_types import make, serialize
+from drake_twin.wires.foxglove_parameters import FoxgloveParameters
+from drake_twin.wires.wire import LARGEST, WireEndpoint
+
+if TYPE_CHECKING:
+    from foxglove.websocket import Parameter
+
+_log = logging.getLogger(__name__)
+_MOST_LINES = 100  # of the log
+_MOST_CHANNELS = 1000  # that clients may offer at the same time
+CDR, JSON = "cdr", "json"
+
+
+class Followed(Protocol):
+    """A topic whose listeners are followed.
+
+    Attributes:
+        is_clock: Whether it is followed while any client subscribes to anything.
+    """
+
+    is_clock: bool
+
+    def follow(self, *, joined: bool) -> None:
+        """Follow a client that has come or gone."""
+
+    def renew(self) -> None:
+        """Offer the topic again, where clients have to subscribe again."""
+
+
+class FoxgloveClients:
+    """What clients do; the methods ``on_…`` are called in the server's threads.
+
+    Subscribers are counted here: a channel cannot be asked for them while another thread closes it.
+
+    Args:
+        joined: Called for a client that joins others.
+        parameters: What clients read, and set if they may command.
+        watched: Called with whether any client watches the connection graph.
+        control: Whether clients may command.
+
+    Attributes:
+        heard: Topic → its endpoint and what hears its messages.
+        lock: Guards the subscribers. The server is not called with it held, for it calls back with locks of its own.
+    """
+
+    def __init__(
+        self,
+        joined: Callable[[], None],
+        parameters: FoxgloveParameters,
+        watched: Callable[[bool], None],
+        *,
+        control: bool,
+    ):
+        self._joined, self._watched = joined, watched
+        self._parameters, self._control = parameters, control
+        self.lock = threading.Lock()
+        self._senders: dict[int, Followed] = {}
+        self._subscribers: dict[int, set[int]] = {}  # channel → clients
+        self.heard: dict[str, tuple[WireEndpoint, Callable[[bytes], None]]] = {}
+        self._channels: dict[tuple[int, int], Any] = {}
+        self._logged: set[tuple[str, str]] = set()
+
+    @property
+    def are_there(self) -> bool:
+        """Whether any client subscribes to anything."""
+        return bool(self._subscribers)
+
+    def have(self, channel: int) -> bool:
+        """Tell whether any client subscribes to a channel."""
+        return bool(self._subscribers.get(channel))
+
+    def add(self, channel: int, sender: Followed) -> None:
+        """Add a channel, which clients may have found already."""
+        with self.lock:
+            self._senders[channel] = sender
+        sender.follow(joined=False)
+
+    def remove(self, channel: int) -> None:
+        """Remove a channel."""
+        with self.lock:
+            self._senders.pop(channel, None)
+            self._subscribers.pop(channel, None)
+
+    def senders(self) -> tuple[Followed, ...]:
+        """Return the senders of all channels."""
+        with self.lock:
+            return tuple(self._senders.values())
+
+    def on_subscribe(self, client: Any, channel: Any) -> None:
+        """A client subscribes to a channel."""
+        with self.lock:
+            joins_others = self.are_there  # without any, nothing follows the time
+            self._subscribers.setdefault(channel.id, set()).add(client.id)
+        self._follow(channel.id, joined=True)
+        if joins_others:
+            self._joined()
+
+    def on_unsubscribe(self, client: Any, channel: Any) -> None:
+        """A client unsubscribes, or leaves."""
+        with self.lock:
+            clients = self._subscribers.get(channel.id, set())
+            clients.discard(client.id)
+            if not clients:
+                self._subscribers.pop(channel.id, None)
+        self._follow(channel.id, joined=False)
+
+    def on_client_advertise(self, client: Any, channel: Any) -> None:
+        """A client offers a channel."""
+        if channel.topic not in self.heard:
+            self.log(channel.topic, "nothing listens to it")
+        elif channel.encoding not in (CDR, JSON):
+            self.log(channel.topic, f"the encoding {channel.encoding!r} is not read: {CDR} and {JSON} are")
+        elif len(self._channels) >= _MOST_CHANNELS:
+            self.log(channel.topic, f"more than {_MOST_CHANNELS} channels of clients")
+        else:
+            topic, _ = self.heard[channel.topic]
+            if channel.schema_name not in (topic.type, topic.type.replace("/msg/", "/")):
+                self.log(topic.name, f"a {channel.schema_name} is ignored: the topic's type is {topic.type}")
+                return
+            self._channels[client.id, channel.id] = channel
+
+    def on_client_unadvertise(self, client: Any, client_channel_id: int) -> None:
+        """A client takes its channel back."""
+        self._channels.pop((client.id, client_channel_id), None)
+
+    def on_message_data(self, client: Any, client_channel_id: int, data: bytes) -> None:
+        """A client publishes."""
+        channel = self._channels.get((client.id, client_channel_id))
+        if channel is None or channel.topic not in self.heard:
+            return
+        topic, heard = self.heard[channel.topic]
+        if len(data) > LARGEST:
+            self.log(topic.name, f"a message of more than {LARGEST} bytes is ignored")
+            return
+        if channel.encoding == JSON:
+            try:
+                data = serialize(make(topic.type, json.loads(data)))
+            except (ValueError, RecursionError) as error:  # a UnicodeDecodeError, too
+                self.log(topic.name, f"a message is not a {topic.type}: {error}", "decoding")
+                return
+        heard(data)
+
+    def on_get_parameters(
+        self, client: Any, param_names: Sequence[str], request_id: str | None = None
+    ) -> "list[Parameter]":
+        """A client asks for parameters, or for all."""
+        return self._parameters.get(param_names)
+
+    def on_set_parameters(
+        self, client: Any, parameters: "Sequence[Parameter]", request_id: str | None = None
+    ) -> "list[Parameter]":
+        """A client sets parameters: return what they are now."""
+        values = {item.name: item.get_value() for item in parameters}
+        if self._control:
+            for reason in self._parameters.set(values):
+                self.log("a parameter is not set", reason)
+        else:
+            self.log("a parameter is not set", "--foxglove-control lets clients command", "control")
+        return self._parameters.get(values) if values else []
+
+    def on_connection_graph_subscribe(self) -> None:
+        """The first client watches the connection graph."""
+        self._watched(True)
+
+    def on_connection_graph_unsubscribe(self) -> None:
+        """The last client stops to watch it."""
+        self._watched(False)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("on_"):  # what clients do beside it is of no interest
+            return lambda *_: None
+        raise AttributeError(name)
+
+    def _follow(self, channel: int, *, joined: bool) -> None:
+        for number, sender in tuple(self._senders.items()):
+            if number == channel or sender.is_clock:
+                sender.follow(joined=joined and number == channel)
+
+    def log(self, topic: str, text: str, cause: str = "") -> None:
+        """Log once per topic and cause."""
+        key = topic, cause or text
+        if key not in self._logged and len(self._logged) < _MOST_LINES:
+            self._logged.add(key)
+            _log.warning("%s: %s", topic, text)
