@@ -154,7 +154,12 @@ def test_topics_are_remapped():
 
 @pytest.mark.parametrize(
     ("given", "active", "expected", "inactive"),
-    [(None, True, None, ()), (["x"], True, ("x", "c"), ()), (["x"], False, ("x",), ("c",)), (None, False, None, ("c",))],
+    [
+        (None, True, None, ()),
+        (["x"], True, ("x", "c"), ()),
+        (["x"], False, ("x",), ("c",)),
+        (None, False, None, ("c",)),
+    ],
 )
 def test_a_controller_is_added_to_its_robot_active_or_not(given, active, expected, inactive):
     builder = TwinBuilder().robot("other", ROVER).robot("a", ROVER, active_controllers=given)
