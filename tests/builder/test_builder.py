@@ -170,5 +170,5 @@ def test_a_controller_is_added_to_its_robot_active_or_not(given, active, expecte
 
 
 def test_a_controller_of_an_unknown_robot_is_refused_with_those_there_are():
-    with pytest.raises(InputError, match="unknown robot 'b'.*Valid: a"):
+    with pytest.raises(InputError, match=r"unknown robot 'b'.*Valid: a"):
         TwinBuilder().robot("a", ROVER).controller("b", "c", "my/Kind")
