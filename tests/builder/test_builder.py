@@ -150,3 +150,25 @@ def test_topics_are_remapped():
     twin = TwinBuilder().robot("a", ROVER, remappings={commands: "/a/wheels"}).build()
     assert "/a/wheels" in twin.graph.topics()
     assert commands not in twin.graph.topics()
+
+
+@pytest.mark.parametrize(
+    ("given", "active", "expected", "inactive"),
+    [
+        (None, True, None, ()),
+        (["x"], True, ("x", "c"), ()),
+        (["x"], False, ("x",), ("c",)),
+        (None, False, None, ("c",)),
+    ],
+)
+def test_a_controller_is_added_to_its_robot_active_or_not(given, active, expected, inactive):
+    builder = TwinBuilder().robot("other", ROVER).robot("a", ROVER, active_controllers=given)
+    other, robot = builder.controller("a", "c", "my/Kind", {"gain": 2}, active=active).scenario().robots
+    assert dict(robot.added_controllers) == {"c": {"type": "my/Kind", "gain": 2}}
+    assert (robot.active_controllers, robot.inactive_controllers) == (expected, inactive)
+    assert other == Robot("other", ROVER)
+
+
+def test_a_controller_of_an_unknown_robot_is_refused_with_those_there_are():
+    with pytest.raises(InputError, match=r"unknown robot 'b'.*Valid: a"):
+        TwinBuilder().robot("a", ROVER).controller("b", "c", "my/Kind")

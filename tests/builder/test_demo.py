@@ -42,6 +42,32 @@ def test_the_demos_rovers_drive_circles_that_never_meet():
         assert np.ptp(track, axis=0).min() > 1.0  # and get about
 
 
+def commands_of(scenario):
+    """The commands of each topic, as arrays of their times (s) and their velocities (rad/s)."""
+    topics = dict.fromkeys(command.topic for command in scenario.commands)
+    for topic in topics:
+        own = [item for item in scenario.commands if item.topic == topic]
+        yield np.array([item.time for item in own]), np.array([item.data for item in own]), own[0].period
+
+
+def test_the_demos_rovers_turn_left_on_one_circle_at_each_of_their_speeds():
+    for _, velocities, _ in commands_of(demo_scenario("rover", 2)):
+        left, right = velocities[:, 0], velocities[:, 1]
+        assert velocities[:, 2:] == pytest.approx(velocities[:, :2])  # front and rear
+        assert (right > left).all()
+        assert (left + right) / (right - left) == pytest.approx([11 / 5] * 2)  # the radius, in halves of the track
+
+
+def test_the_demos_arms_return_and_neighbors_turn_in_opposite_directions():
+    scenario = demo_scenario("arduinobot", 3)
+    assert [robot.xyz[2] for robot in scenario.robots] == [0.0] * 3  # each is bolted to the ground
+    firsts = []
+    for times, velocities, period in commands_of(scenario):
+        assert np.diff([*times, period]) @ velocities == pytest.approx([0.0] * 4, abs=1e-12)
+        firsts.append(velocities[0, 0])
+    assert np.diff(np.sign(firsts)).tolist() in ([2, -2], [-2, 2])
+
+
 @pytest.mark.parametrize("robot", DEMOS)
 def test_the_inactive_controllers_change_nothing_of_the_motion(robot):
     scenario = demo_scenario(robot, 2)

@@ -44,6 +44,17 @@ def test_several_robots_stand_in_a_row_that_leaves_each_room_to_turn():
 
 
 @pytest.mark.parametrize(
+    ("size", "spacing"), [((3.0, 0.2, 0.1), 6.0), ((0.2, 1.2, 0.1), 2.4), ((0.2, 0.1, 2.0), 0.5), ((0.1, 0.33, 9), 0.7)]
+)
+def test_the_row_leaves_twice_the_larger_side_of_the_robot_and_half_a_meter_at_least(tmp_path, size, spacing):
+    box = f"<collision><geometry><box size='{' '.join(map(str, size))}'/></geometry></collision>"
+    text = PREFIXED.format(argument="n").replace("<collision>", f"{box}<collision>").replace("0.25", "0.01")
+    (tmp_path / "r.urdf.xacro").write_text(text)
+    robots = robot_file_scenario(tmp_path / "r.urdf.xacro", 3, xacro_args={}).robots
+    assert [robot.xyz[1] for robot in robots] == pytest.approx([0.0, spacing, 2 * spacing])
+
+
+@pytest.mark.parametrize(
     ("argument", "value"), [("robot_name", "robot_2"), ("prefix", "robot_2_"), ("namespace", "robot_2")]
 )
 def test_several_robots_are_named_through_the_files_own_argument(tmp_path, argument, value):

@@ -1,16 +1,20 @@
+from contextlib import nullcontext
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drake_twin.errors import InputError
 from drake_twin.scenario import (
     Command,
+    Push,
     Robot,
     Scenario,
     ScenarioError,
     StaticTransform,
     World,
 )
+from drake_twin.scenario.scenario import name_in_twin
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
 FULL = Scenario(
@@ -130,3 +134,73 @@ def test_a_value_that_cannot_be_used_is_named_with_file_and_line(text, match):
 def test_a_scenario_made_in_python_is_checked_as_well():
     with pytest.raises(ScenarioError, match="two robots are named 'a'"):
         Scenario(robots=(Robot("a", "m"), Robot("a", "m")))
+
+
+A = (Robot("a", "/a.urdf"),)
+
+
+def test_what_a_scenario_leaves_out_is_as_its_documentation_says():
+    text = "robots: [{name: a, model: /a.urdf}]\nstatic_transforms: [{parent: world, child: odom}]"
+    found = ScenarioFile(text, "twin.yaml").scenario
+    assert (found.time_step, found.engine, found.accuracy, found.seed) == (1e-3, "discrete", 1e-3, 0)
+    assert (found.sensor_noise, found.retune, found.world) == (True, False, World())
+    (robot,), (frame,) = found.robots, found.static_transforms
+    assert (robot.command_delay, robot.measurement_delay, robot.noise) == (0.0, 0.0, 1.0)
+    assert robot.xyz == robot.rpy == frame.xyz == frame.rpy == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "valid"),
+    [
+        ({"time_step": 1e-6}, True),
+        ({"time_step": 0.9e-6}, False),
+        ({"time_step": 0.1}, True),
+        ({"time_step": 0.11}, False),
+        ({"accuracy": 1e-9}, True),
+        ({"accuracy": 0.9e-9}, False),
+        ({"accuracy": 1.0}, True),
+        ({"accuracy": 1.1}, False),
+        ({"seed": 0}, True),
+        ({"seed": -1}, False),
+        ({"world": World(ground_friction=0.0)}, True),
+        ({"world": World(ground_friction=-0.1)}, False),
+        ({"world": World(contact="glue")}, False),
+        ({"robots": (Robot("a", "m", friction=0.0),)}, True),
+        ({"robots": (Robot("a", "m", friction=-0.1),)}, False),
+        ({"robots": (Robot("a", "m", joint_friction={"j": -0.1}),)}, False),
+        ({"robots": (Robot("a", "m", noise=-0.1),)}, False),
+        ({"robots": (Robot("a", "m", command_delay=1.0),)}, True),
+        ({"robots": (Robot("a", "m", command_delay=1.1),)}, False),
+        ({"robots": (Robot("a", "m", measurement_delay=-0.1),)}, False),
+        ({"pushes": (Push("a", 0.0, force=(1.0, 0.0, 0.0)),)}, True),
+        ({"pushes": (Push("a", 1e9, strength=1.0, duration=0.0),)}, True),
+        ({"pushes": (Push("", 0.0, strength=1.0),)}, False),
+        ({"pushes": (Push("a", -0.1, strength=1.0),)}, False),
+        ({"pushes": (Push("a", 0.0, strength=1.0, duration=-0.1),)}, False),
+        ({"pushes": (Push("a", 0.0, strength=0.0),)}, False),
+        ({"pushes": (Push("a", 0.0),)}, False),
+        ({"pushes": (Push("a", 0.0, force=(1.0, 0.0, 0.0), strength=1.0),)}, False),
+    ],
+)
+def test_a_value_is_valid_up_to_its_bounds_and_not_beyond(values, valid):
+    with nullcontext() if valid else pytest.raises(ScenarioError, match=f"^{next(iter(values))}"):
+        Scenario(**{"robots": A} | values)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("r1", "r1"), ("r 1/b", "r_1_b"), ("a-b_c", "a-b_c"), ("world", "world_robot"), ("", "robot")],
+)
+def test_a_name_that_the_twin_cannot_take_is_made_one_that_it_can(name, expected):
+    assert name_in_twin(name) == expected
+    assert Scenario((Robot(expected, "m"),)).robots[0].name == expected
+
+
+def test_letters_of_any_language_are_written_as_they_are():
+    text = scenario_to_yaml(Scenario((Robot("räuber", "/tmp/a.urdf"),)))
+    assert "name: räuber\n" in text
+    assert ScenarioFile(text, "twin.yaml").scenario.robots[0].name == "räuber"
+
+
+def test_a_number_of_numpy_is_written_as_a_plain_one():
+    assert "time: 0.25\n" in scenario_to_yaml(Scenario(A, commands=(Command("/t", (1.0,), time=np.float64(0.25)),)))

@@ -36,6 +36,11 @@ def test_the_twist_is_in_the_bases_own_frame():
     assert (angular.x, angular.y, angular.z) == pytest.approx((0, -0.5, 1))
 
 
+def test_the_covariances_are_matrices_of_six_by_six_zeros():
+    message = evaluate(RobotBase("r", "base", FLOATING), facing_y())  # float64[36] in geometry_msgs
+    assert message.pose.covariance.tolist() == message.twist.covariance.tolist() == [0.0] * 36
+
+
 def test_each_robot_has_a_port_with_its_own_place():
     layouts = {
         name: FLOATING.within([*range(7 * index, 7 * index + 7), *range(14 + 6 * index, 20 + 6 * index)])

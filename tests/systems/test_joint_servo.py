@@ -1,5 +1,10 @@
+from contextlib import nullcontext
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia
 
 from drake_twin.systems.joint_servo import JointServo, ServoAssignment
 
@@ -70,3 +75,41 @@ def test_an_assignment_can_change_while_the_commands_stay():
     dut.assign(context, held)
     assert dut.assignment(context) == held
     assert dut.get_desired_state_output_port().Eval(context) == pytest.approx([1, 2, 3, 0, 0, 0])
+
+
+@pytest.fixture
+def motor():
+    """A wheel of 2 kg·m² in a world without gravity, whose actuator is a servo of velocity."""
+    plant = MultibodyPlant(time_step=0.001)
+    body = plant.AddRigidBody("wheel", SpatialInertia(2.0, [0, 0, 0], UnitInertia(1, 1, 1)))
+    joint = plant.AddJoint(RevoluteJoint("j", plant.world_frame(), body.body_frame(), [0, 0, 1]))
+    actuator = plant.AddJointActuator("j", joint)
+    plant.Finalize()
+    return actuator
+
+
+def test_an_effort_drives_its_joint_to_its_velocity_limit_with_that_effort_at_most(motor):
+    modes = ServoAssignment(("limited", "position"), (0.0, 0.2), (-1, -1), (-1, -1), (0, -1))
+    free = np.full((3, 2), np.inf)
+    dut = JointServo({"force": 1}, modes, -free, free, limited={"limited": {0: (motor, 6.0), 1: (motor, 7.0)}})
+    desired, efforts = evaluate(dut, force=[-3.0])
+    assert (desired, efforts) == ([0.0, 0.2, -6.0, 0.0], [-3.0, 0.0])
+    assert motor.effort_limit() == 3.0
+    desired, efforts = evaluate(dut, force=[0.0])
+    assert (desired, efforts) == ([0.0, 0.2, 0.0, 0.0], [0.0, 0.0])
+    assert 0 < motor.effort_limit() < 1e-9  # none to speak of; Drake's limits are above zero
+
+
+@pytest.mark.parametrize(
+    ("change", "fits"),
+    [
+        ({}, True),
+        ({"holds": (0.0, 0.0)}, False),
+        ({"efforts": (-1, 5, -1)}, False),  # there are the values 0 to 4
+        ({"velocities": (-2, -1, -1)}, False),
+    ],
+)
+def test_an_assignment_that_does_not_fit_is_refused(change, fits):
+    dut = make_dut(WHEELS_AND_ARM, SIZES)
+    with nullcontext() if fits else pytest.raises(ValueError, match="there are 3 actuators, and 5 values"):
+        dut.check(replace(WHEELS_AND_ARM, **change))
