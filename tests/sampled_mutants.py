@@ -1,6 +1,6 @@
 """Small faults sown at random, room by room, and whether the tests that belong there see them.
 
-    python tests/sampled_mutants.py ROOM [ROOM ...] [--count 20] [--seed 1] [--only FILE]
+    python tests/sampled_mutants.py ROOM [ROOM ...] [--count 20] [--seed 1] [--only FILE] [--list]
 
 A fault is one changed operator, comparison, number, flag, condition or statement. Its tests are those that are named
 after the module, then those of the modules of its room that import it, and others that name what the module defines.
@@ -256,7 +256,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=20, help="faults in a room")
     parser.add_argument("--seed", type=int, default=1, help="which sample")
     parser.add_argument("--only", metavar="FILE", default="", help="only modules whose path has this")
+    parser.add_argument("--list", action="store_true", help="print the sample, and try nothing")
     options = parser.parse_args(arguments)
+    if options.list:
+        for room in options.rooms:
+            print(*sample(room, options.count, options.seed, options.only), sep="\n")
+        return 0
     is_enough = True
     for room in options.rooms:
         results = []

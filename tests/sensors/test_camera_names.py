@@ -203,6 +203,11 @@ def test_intrinsics_of_the_lens(tmp_path):
     assert list(info.p) == [301, 0, 21, -5, 0, 311, 31, 0, 0, 0, 1, 0]
 
 
+def test_a_projection_without_values_has_those_of_sdf(tmp_path):  # sdformat's sdf/1.9/camera.sdf
+    info = info_of(tmp_path, camera(size=(320, 240), more="<lens><projection><p_fy>300</p_fy></projection></lens>"))
+    assert list(info.p) == [277, 0, 160, 0, 0, 300, 120, 0, 0, 0, 1, 0]
+
+
 def test_camera_info_of_gazebo_classic(tmp_path):
     inside = "<hack_baseline>0.07</hack_baseline><P_cx>9</P_cx><CxPrime>0</CxPrime>"
     text = camera(size=(64, 48), fov=1.5707963267948966, plugin=plugin(inside).partition("</update_rate>")[2])

@@ -8,6 +8,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+from rig import twin_with, xyz
 
 from drake_twin.description.robot_description import Pose, Sensor
 from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor, ForceTorqueSettings
@@ -129,3 +130,24 @@ def test_a_falling_arm_has_the_forces_of_pinocchios_inverse_dynamics(wrist):
         inertia = pinocchio.Inertia(MASS, np.array([LEVER, 0, 0]), np.diag([0.01, 0.02, 0.015]))
         expected = (inertia * (change - gravity) + motion.cross(inertia * motion)).vector
     np.testing.assert_allclose(measured, expected, atol=1e-8)
+
+
+def test_a_sensor_publishes_what_its_broadcaster_would_and_classics_plugin_the_opposite(tmp_path):
+    arm = """<robot name="box"><link name="box"/><link name="load"><inertial><mass value="2"/>
+      <inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="j" type="fixed"><parent link="box"/><child link="load"/></joint>
+      <link name="world"/><joint name="w" type="fixed"><parent link="world"/><child link="box"/></joint>{}</robot>"""
+    sensor = '<gazebo reference="j"><sensor name="ft" type="force_torque"><topic>wrench</topic></sensor></gazebo>'
+    plugin = """<gazebo><plugin name="f" filename="libgazebo_ros_ft_sensor.so"><joint_name>j</joint_name>
+      <update_rate>50</update_rate></plugin></gazebo>"""
+    (tmp_path / "arm").mkdir()
+    twin = twin_with(tmp_path / "arm", sensor, plugin, body=arm, world=None)
+    twin.advance_to(0.01)
+    assert xyz(twin.latest("/box/wrench").wrench.force) == pytest.approx([0, 0, -2 * G])
+    assert any(
+        "publishes on /box/wrench, too" in warning for warning in twin.findings.warnings
+    )  # the plugin's is the same
+    twin = twin_with(tmp_path / "arm", plugin, body=arm, world=None)
+    message = twin.latest("/box/wrench")
+    assert xyz(message.wrench.force) == pytest.approx([0, 0, 2 * G])  # body2Force: on the child
+    assert message.header.frame_id == "box/load"

@@ -93,6 +93,22 @@ def test_the_ground_is_seen(tmp_path):
     assert twin.latest("/box/scan").ranges[2] == pytest.approx(0.1 / np.sin(0.5), abs=1e-4)
 
 
+def test_a_row_may_look_straight_down(tmp_path):
+    vertical = f"<vertical><samples>2</samples><min_angle>{-pi / 2}</min_angle><max_angle>-0.5</max_angle></vertical>"
+    sensor = lidar(scan="<samples>1</samples>", vertical=vertical, ranges="<min>0.01</min><max>3.5</max>")
+    twin = twin_with(tmp_path, sensor, xyz=(0, 0, 0.8))
+    z = np.asarray(twin.latest("/box/scan/points").data).view("<f4").reshape(2, 8)[:, 2]
+    assert z == pytest.approx([-0.8, -0.8], abs=1e-4)  # both meet the ground
+    assert twin.latest("/box/scan").ranges == pytest.approx([0.8 / np.sin(0.5)], abs=1e-4)
+
+
+def test_a_proximity_sensor_sees_less_than_a_meter(tmp_path):
+    twin = twin_with(tmp_path, lidar(ranges="<min>0.05</min><max>0.5</max>"), world=WALL.format(0.5, 0))
+    scan = twin.latest("/box/scan")
+    assert scan.range_max == pytest.approx(0.5)
+    assert scan.ranges == pytest.approx(0.4 / np.cos([-0.2, -0.1, 0.0, 0.1, 0.2]), abs=1e-4)
+
+
 def test_beyond_the_largest_range_is_infinite(tmp_path):
     twin = twin_with(tmp_path, lidar(ranges="<min>0.1</min><max>1.5</max>"), world=WALL.format(2.1, 0))
     assert np.isposinf(heard(twin, "/box/scan")[-1].ranges).all()
