@@ -1,10 +1,9 @@
 """What the page shows of the thing that is selected: labelled values in sections, the same form for every kind."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import PurePath
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import HalfSpace, Shape
@@ -72,10 +71,6 @@ class Details:
     xyz: Vector3
     rpy: Vector3
     sections: tuple[Section, ...]
-
-    def as_plain(self) -> dict[str, Any]:
-        """Return the details as plain data."""
-        return asdict(self)
 
 
 def details(twin: Twin, node: Node) -> Details:

@@ -15,70 +15,74 @@ Lines = typing.NewType("Lines", str)  # a text of several lines
 _MOST_STEPS = 10_000
 
 
+class Request:
+    """What a browser asks for."""
+
+
 @dataclass(frozen=True)
-class Play:
+class Play(Request):
     """Continue simulation time."""
 
 
 @dataclass(frozen=True)
-class Pause:
+class Pause(Request):
     """Pause simulation time."""
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Request):
     """Make a number of physics steps and stay paused."""
 
     count: int
 
 
 @dataclass(frozen=True)
-class RunTo:
+class RunTo(Request):
     """Run until a simulation time (s) and pause there."""
 
     time: float
 
 
 @dataclass(frozen=True)
-class Reset:
+class Reset(Request):
     """Reset the twin."""
 
 
 @dataclass(frozen=True)
-class Look:
+class Look(Request):
     """Pause, and draw again what was drawn at a simulation time (s)."""
 
     time: float
 
 
 @dataclass(frozen=True)
-class LookAtNow:
+class LookAtNow(Request):
     """Draw the present again."""
 
 
 @dataclass(frozen=True)
-class GoOnFrom:
+class GoOnFrom(Request):
     """Return to the last moment that is kept before a simulation time (s), and continue from there."""
 
     time: float
 
 
 @dataclass(frozen=True)
-class SetRate:
+class SetRate(Request):
     """Set the real-time rate: simulated seconds per second of wall time."""
 
     rate: float
 
 
 @dataclass(frozen=True)
-class SetTimeStep:
+class SetTimeStep(Request):
     """Set the physics step (s)."""
 
     seconds: float
 
 
 @dataclass(frozen=True)
-class Switch:
+class Switch(Request):
     """Activate or deactivate a controller."""
 
     robot: str
@@ -87,7 +91,7 @@ class Switch:
 
 
 @dataclass(frozen=True)
-class SwitchTo:
+class SwitchTo(Request):
     """Activate a controller, and deactivate those that command the same joints."""
 
     robot: str
@@ -95,7 +99,7 @@ class SwitchTo:
 
 
 @dataclass(frozen=True)
-class MoveJoint:
+class MoveJoint(Request):
     """Command one element of a topic (rad, rad/s, N·m, or m, m/s, N) and keep the others."""
 
     topic: str
@@ -104,7 +108,7 @@ class MoveJoint:
 
 
 @dataclass(frozen=True)
-class PoseJoint:
+class PoseJoint(Request):
     """Set the joint position of a robot that is only displayed (rad or m)."""
 
     robot: str
@@ -113,7 +117,7 @@ class PoseJoint:
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(Request):
     """Drive a base with velocities (m/s, m/s, rad/s), which hold while the request is repeated."""
 
     topic: str
@@ -123,21 +127,21 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class EmergencyStop:
+class EmergencyStop(Request):
     """Stop a robot and hold it there."""
 
     robot: str
 
 
 @dataclass(frozen=True)
-class ClearEmergencyStop:
+class ClearEmergencyStop(Request):
     """Clear a robot's emergency stop."""
 
     robot: str
 
 
 @dataclass(frozen=True)
-class Show:
+class Show(Request):
     """Show or hide an overlay."""
 
     what: str
@@ -145,7 +149,7 @@ class Show:
 
 
 @dataclass(frozen=True)
-class ShowSensor:
+class ShowSensor(Request):
     """Show what a sensor measures, or no more: its key in the page's list."""
 
     sensor: str
@@ -153,33 +157,33 @@ class ShowSensor:
 
 
 @dataclass(frozen=True)
-class LookAtEfforts:
+class LookAtEfforts(Request):
     """A tab shows efforts, for which the plant solves a step; repeated about once a second."""
 
 
 @dataclass(frozen=True)
-class Follow:
+class Follow(Request):
     """Let the camera follow a robot, or no robot if the name is empty."""
 
     robot: str
 
 
 @dataclass(frozen=True)
-class Record:
+class Record(Request):
     """Start a recording as an HTML page, or end it and offer the page for download."""
 
     on: bool
 
 
 @dataclass(frozen=True)
-class Delete:
+class Delete(Request):
     """Delete a robot."""
 
     robot: str
 
 
 @dataclass(frozen=True)
-class AskPanel:
+class AskPanel(Request):
     """Ask the Python half of a panel: JSON data for its ``ask``."""
 
     panel: str
@@ -187,39 +191,11 @@ class AskPanel:
 
 
 @dataclass(frozen=True)
-class Gone:
+class Gone(Request):
     """A browser's connection has ended; the server adds this request, a browser cannot send it."""
 
 
-Request = (
-    Play
-    | Pause
-    | Step
-    | RunTo
-    | Reset
-    | Look
-    | LookAtNow
-    | GoOnFrom
-    | SetRate
-    | SetTimeStep
-    | Switch
-    | SwitchTo
-    | MoveJoint
-    | PoseJoint
-    | Drive
-    | EmergencyStop
-    | ClearEmergencyStop
-    | Show
-    | ShowSensor
-    | LookAtEfforts
-    | Follow
-    | Record
-    | Delete
-    | AskPanel
-    | Gone
-)
-
-_KINDS: dict[str, Any] = {kind.__name__: kind for kind in typing.get_args(Request) if kind is not Gone}
+_KINDS: dict[str, Any] = {kind.__name__: kind for kind in Request.__subclasses__() if kind is not Gone}
 
 
 def parse(text: str) -> Request | None:

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -120,7 +120,7 @@ class WorldPanel:
             "version": self._version,
             "tree": [node.as_plain() for node in self._tree] if needs_tree else None,
             "undo": self._undo[-1][0] if self._undo else "",
-            "details": {node.id: details(self._twin, node).as_plain() for node in nodes},
+            "details": {node.id: asdict(details(self._twin, node)) for node in nodes},
         }
 
     def ask(self, data: Any) -> None:

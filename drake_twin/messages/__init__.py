@@ -29,66 +29,17 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     "sensor_msgs/msg/NavSatStatus": {"status": -2},
 }
 
-_STORE_TYPES = {
-    name.rpartition("/")[2]: name
-    for name in (
-        "builtin_interfaces/msg/Duration",
-        "builtin_interfaces/msg/Time",
-        "geometry_msgs/msg/Point",
-        "geometry_msgs/msg/Point32",
-        "geometry_msgs/msg/Pose",
-        "geometry_msgs/msg/PoseStamped",
-        "geometry_msgs/msg/PoseWithCovariance",
-        "geometry_msgs/msg/Quaternion",
-        "geometry_msgs/msg/Transform",
-        "geometry_msgs/msg/TransformStamped",
-        "geometry_msgs/msg/Twist",
-        "geometry_msgs/msg/TwistStamped",
-        "geometry_msgs/msg/TwistWithCovariance",
-        "geometry_msgs/msg/Vector3",
-        "geometry_msgs/msg/Vector3Stamped",
-        "geometry_msgs/msg/Wrench",
-        "geometry_msgs/msg/WrenchStamped",
-        "nav_msgs/msg/Odometry",
-        "rosgraph_msgs/msg/Clock",
-        "sensor_msgs/msg/BatteryState",
-        "sensor_msgs/msg/CameraInfo",
-        "sensor_msgs/msg/ChannelFloat32",
-        "sensor_msgs/msg/FluidPressure",
-        "sensor_msgs/msg/Image",
-        "sensor_msgs/msg/Imu",
-        "sensor_msgs/msg/JointState",
-        "sensor_msgs/msg/LaserScan",
-        "sensor_msgs/msg/MagneticField",
-        "sensor_msgs/msg/NavSatFix",
-        "sensor_msgs/msg/NavSatStatus",
-        "sensor_msgs/msg/PointCloud",
-        "sensor_msgs/msg/PointCloud2",
-        "sensor_msgs/msg/PointField",
-        "sensor_msgs/msg/Range",
-        "sensor_msgs/msg/RegionOfInterest",
-        "std_msgs/msg/Float64MultiArray",
-        "std_msgs/msg/Header",
-        "std_msgs/msg/Int8MultiArray",
-        "std_msgs/msg/MultiArrayDimension",
-        "std_msgs/msg/MultiArrayLayout",
-        "std_msgs/msg/String",
-        "tf2_msgs/msg/TFMessage",
-        "trajectory_msgs/msg/JointTrajectory",
-        "trajectory_msgs/msg/JointTrajectoryPoint",
-        "trajectory_msgs/msg/MultiDOFJointTrajectory",
-        "trajectory_msgs/msg/MultiDOFJointTrajectoryPoint",
-    )
-}
-
-_TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in DEFINITIONS}
+_TYPES: dict[str, str] = {}  # the last part of a type's name → the type; filled when the store is loaded
 
 
 @cache
 def _jazzy() -> Any:
     from rosbags.typesys import Stores, get_typestore
 
-    return get_typestore(Stores.ROS2_JAZZY)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for name in (*store.types, *DEFINITIONS):
+        _TYPES.setdefault(name.rpartition("/")[2], name)
+    return store
 
 
 @cache
@@ -114,6 +65,9 @@ def _store_of(kind: str) -> Any:
 
 
 def __getattr__(name: str) -> Any:
+    if not name[0].isupper():  # a module's own attribute, for which the store is not loaded
+        raise AttributeError(f"drake_twin.messages has no attribute {name!r}")
+    _jazzy()
     if name not in _TYPES:
         raise AttributeError(f"drake_twin.messages has no message type {name!r}; it has {', '.join(sorted(_TYPES))}")
     message_type = _store_of(_TYPES[name]).types[_TYPES[name]]

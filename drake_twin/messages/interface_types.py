@@ -15,7 +15,6 @@ import yaml
 from drake_twin.messages import DEFAULTS, EMPTY, field_value, message, type_store
 from drake_twin.messages.definitions import DEFINITIONS
 from drake_twin.messages.package_definitions import PACKAGES
-from drake_twin.messages.service_definitions import ACTIONS, MESSAGES, SERVICES
 
 _FIELD_WITH_DEFAULT = re.compile(r"\s*(?P<type>[\w/]\S*)\s+(?P<name>\w+)\s+(?P<value>[^\s=#].*)")
 _MESSAGE_OF_PACKAGES = re.compile(r"^(\w+)/(\w+)(?=\S* )", re.MULTILINE)
@@ -187,16 +186,12 @@ def _known(name: str) -> Any:
 
 @cache
 def _store() -> Any:
-    """Return the store with all messages, and services and actions as structures that only hashing needs."""
+    """Return the store, in which services and actions are structures that only hashing needs."""
     store = type_store()
-    for name, text in MESSAGES.items():
-        _register(store, name, text)
     for name, text in _WITH_CHAR.items():
         del store.fielddefs[name]
         _register(store, name, text)
-    for name, (request, response) in SERVICES.items():
-        _register_service(store, name, request, response)
-    for name, texts in (ACTIONS | _actions_of_controllers()).items():
+    for name, texts in _actions_of_controllers().items():
         _register_action(store, name, *texts)
     return store
 

@@ -1,9 +1,10 @@
-"""Types of ROS 2 Jazzy's packages that the twin itself does not use, but programs of users import.
+"""Types of ROS 2 Jazzy's packages: those of the twin's services, and others that programs of users import.
 
 They are kept by the text of their files, and read when one is first asked for.
 """
 
 from drake_twin.messages.gazebo_definitions import GAZEBO
+from drake_twin.messages.service_definitions import SERVICES
 
 _ELEMENTS = ("byte", "float32", "float64", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64")
 
@@ -19,6 +20,7 @@ def _example_messages() -> dict[str, str]:
 
 # Message, service or action → the text of its file.
 PACKAGES = {
+    **SERVICES,
     **GAZEBO,
     **_example_messages(),
     "action_tutorials_interfaces/action/Fibonacci": (

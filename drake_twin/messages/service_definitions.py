@@ -1,10 +1,10 @@
-"""ROS 2 services and actions, and the messages that they need, by the text of their files.
+"""ROS 2 services and actions that the twin offers, and the messages that they need, by the text of their files.
 
 They are those of ROS 2 Jazzy; ``gazebo_msgs`` is that of Gazebo classic.
 """
 
-# Message → its text.
-MESSAGES = {
+# Message, service or action → the text of its file.
+SERVICES = {
     "controller_manager_msgs/msg/ChainConnection": "string name\nstring[] reference_interfaces\n",
     "controller_manager_msgs/msg/ControllerState": (
         "string name\nstring state\nstring type\nbool is_async\nuint16 update_rate\nstring[] claimed_interfaces\n"
@@ -22,10 +22,6 @@ MESSAGES = {
     ),
     "gazebo_msgs/msg/EntityState": (
         "string name\ngeometry_msgs/Pose pose\ngeometry_msgs/Twist twist\nstring reference_frame\n"
-    ),
-    "ros_gz_interfaces/msg/Entity": (
-        "uint8 NONE=0\nuint8 LIGHT=1\nuint8 MODEL=2\nuint8 LINK=3\nuint8 VISUAL=4\nuint8 COLLISION=5\nuint8 SENSOR=6\n"
-        "uint8 JOINT=7\nuint64 id\nstring name\nuint8 type\n"
     ),
     "ros_gz_interfaces/msg/EntityFactory": (
         "string name\nbool allow_renaming\nstring sdf\nstring sdf_filename\nstring clone_name\n"
@@ -77,205 +73,100 @@ MESSAGES = {
     "simulation_interfaces/msg/TagsFilter": (
         "string[] tags\nuint8 FILTER_MODE_ANY=0\nuint8 FILTER_MODE_ALL=1\nuint8 filter_mode\n"
     ),
-}
-
-# Service → the texts of its request and its response.
-SERVICES = {
     "action_msgs/srv/CancelGoal": (
-        "action_msgs/GoalInfo goal_info\n",
-        (
-            "int8 ERROR_NONE=0\nint8 ERROR_REJECTED=1\nint8 ERROR_UNKNOWN_GOAL_ID=2\nint8 ERROR_GOAL_TERMINATED=3\n"
-            "int8 return_code\naction_msgs/GoalInfo[] goals_canceling\n"
-        ),
+        "action_msgs/GoalInfo goal_info\n---\nint8 ERROR_NONE=0\nint8 ERROR_REJECTED=1\nint8 ERROR_UNKNOWN_GOAL_ID=2\n"
+        "int8 ERROR_GOAL_TERMINATED=3\nint8 return_code\naction_msgs/GoalInfo[] goals_canceling\n"
     ),
-    "controller_manager_msgs/srv/ConfigureController": (
-        "string name\n",
-        "bool ok\n",
-    ),
-    "controller_manager_msgs/srv/ListControllerTypes": (
-        "",
-        "string[] types\nstring[] base_classes\n",
-    ),
-    "controller_manager_msgs/srv/ListControllers": (
-        "",
-        "controller_manager_msgs/ControllerState[] controller\n",
-    ),
+    "controller_manager_msgs/srv/ConfigureController": "string name\n---\nbool ok\n",
+    "controller_manager_msgs/srv/ListControllerTypes": "---\nstring[] types\nstring[] base_classes\n",
+    "controller_manager_msgs/srv/ListControllers": "---\ncontroller_manager_msgs/ControllerState[] controller\n",
     "controller_manager_msgs/srv/ListHardwareComponents": (
-        "",
-        ("controller_manager_msgs/HardwareComponentState[] component\n"),
+        "---\ncontroller_manager_msgs/HardwareComponentState[] component\n"
     ),
     "controller_manager_msgs/srv/ListHardwareInterfaces": (
-        "",
-        (
-            "controller_manager_msgs/HardwareInterface[] command_interfaces\n"
-            "controller_manager_msgs/HardwareInterface[] state_interfaces\n"
-        ),
+        "---\ncontroller_manager_msgs/HardwareInterface[] command_interfaces\n"
+        "controller_manager_msgs/HardwareInterface[] state_interfaces\n"
     ),
-    "controller_manager_msgs/srv/LoadController": (
-        "string name\n",
-        "bool ok\n",
-    ),
-    "controller_manager_msgs/srv/ReloadControllerLibraries": (
-        "bool force_kill\n",
-        "bool ok\n",
-    ),
+    "controller_manager_msgs/srv/LoadController": "string name\n---\nbool ok\n",
+    "controller_manager_msgs/srv/ReloadControllerLibraries": "bool force_kill\n---\nbool ok\n",
     "controller_manager_msgs/srv/SwitchController": (
-        (
-            "string[] activate_controllers\nstring[] deactivate_controllers\nint32 strictness\nint32 BEST_EFFORT=1\n"
-            "int32 STRICT=2\nint32 AUTO=3\nint32 FORCE_AUTO=4\nbool activate_asap\n"
-            "builtin_interfaces/Duration timeout\n"
-        ),
-        "bool ok\nstring message\n",
+        "string[] activate_controllers\nstring[] deactivate_controllers\nint32 strictness\nint32 BEST_EFFORT=1\n"
+        "int32 STRICT=2\nint32 AUTO=3\nint32 FORCE_AUTO=4\nbool activate_asap\nbuiltin_interfaces/Duration timeout\n"
+        "---\nbool ok\nstring message\n"
     ),
-    "controller_manager_msgs/srv/UnloadController": (
-        "string name\n",
-        "bool ok\n",
-    ),
-    "gazebo_msgs/srv/DeleteEntity": (
-        "string name\n",
-        "bool success\nstring status_message\n",
-    ),
+    "controller_manager_msgs/srv/UnloadController": "string name\n---\nbool ok\n",
+    "gazebo_msgs/srv/DeleteEntity": "string name\n---\nbool success\nstring status_message\n",
     "gazebo_msgs/srv/GetEntityState": (
-        "string name\nstring reference_frame\n",
-        ("std_msgs/Header header\ngazebo_msgs/EntityState state\nbool success\n"),
+        "string name\nstring reference_frame\n---\nstd_msgs/Header header\ngazebo_msgs/EntityState state\n"
+        "bool success\n"
     ),
-    "gazebo_msgs/srv/GetModelList": (
-        "",
-        ("std_msgs/Header header\nstring[] model_names\nbool success\n"),
-    ),
-    "gazebo_msgs/srv/SetEntityState": (
-        "gazebo_msgs/EntityState state\n",
-        "bool success\n",
-    ),
+    "gazebo_msgs/srv/GetModelList": "---\nstd_msgs/Header header\nstring[] model_names\nbool success\n",
+    "gazebo_msgs/srv/SetEntityState": "gazebo_msgs/EntityState state\n---\nbool success\n",
     "gazebo_msgs/srv/SpawnEntity": (
-        ("string name\nstring xml\nstring robot_namespace\ngeometry_msgs/Pose initial_pose\nstring reference_frame\n"),
-        "bool success\nstring status_message\n",
+        "string name\nstring xml\nstring robot_namespace\ngeometry_msgs/Pose initial_pose\nstring reference_frame\n"
+        "---\nbool success\nstring status_message\n"
     ),
-    "rcl_interfaces/srv/DescribeParameters": (
-        "string[] names\n",
-        "rcl_interfaces/ParameterDescriptor[] descriptors\n",
-    ),
-    "rcl_interfaces/srv/GetParameterTypes": (
-        "string[] names\n",
-        "uint8[] types\n",
-    ),
-    "rcl_interfaces/srv/GetParameters": (
-        "string[] names\n",
-        "rcl_interfaces/ParameterValue[] values\n",
-    ),
+    "rcl_interfaces/srv/DescribeParameters": "string[] names\n---\nrcl_interfaces/ParameterDescriptor[] descriptors\n",
+    "rcl_interfaces/srv/GetParameterTypes": "string[] names\n---\nuint8[] types\n",
+    "rcl_interfaces/srv/GetParameters": "string[] names\n---\nrcl_interfaces/ParameterValue[] values\n",
     "rcl_interfaces/srv/ListParameters": (
-        ("uint64 DEPTH_RECURSIVE=0\nstring[] prefixes\nuint64 depth\n"),
-        "rcl_interfaces/ListParametersResult result\n",
+        "uint64 DEPTH_RECURSIVE=0\nstring[] prefixes\nuint64 depth\n---\nrcl_interfaces/ListParametersResult result\n"
     ),
     "rcl_interfaces/srv/SetParameters": (
-        "rcl_interfaces/Parameter[] parameters\n",
-        "rcl_interfaces/SetParametersResult[] results\n",
+        "rcl_interfaces/Parameter[] parameters\n---\nrcl_interfaces/SetParametersResult[] results\n"
     ),
     "rcl_interfaces/srv/SetParametersAtomically": (
-        "rcl_interfaces/Parameter[] parameters\n",
-        "rcl_interfaces/SetParametersResult result\n",
+        "rcl_interfaces/Parameter[] parameters\n---\nrcl_interfaces/SetParametersResult result\n"
     ),
-    "ros_gz_interfaces/srv/ControlWorld": (
-        "ros_gz_interfaces/WorldControl world_control\n",
-        "bool success\n",
-    ),
-    "ros_gz_interfaces/srv/DeleteEntity": (
-        "ros_gz_interfaces/Entity entity\n",
-        "bool success\n",
-    ),
+    "ros_gz_interfaces/srv/ControlWorld": "ros_gz_interfaces/WorldControl world_control\n---\nbool success\n",
+    "ros_gz_interfaces/srv/DeleteEntity": "ros_gz_interfaces/Entity entity\n---\nbool success\n",
     "ros_gz_interfaces/srv/SetEntityPose": (
-        ("ros_gz_interfaces/Entity entity\ngeometry_msgs/Pose pose\n"),
-        "bool success\n",
+        "ros_gz_interfaces/Entity entity\ngeometry_msgs/Pose pose\n---\nbool success\n"
     ),
-    "ros_gz_interfaces/srv/SpawnEntity": (
-        "ros_gz_interfaces/EntityFactory entity_factory\n",
-        "bool success\n",
-    ),
-    "simulation_interfaces/srv/DeleteEntity": (
-        "string entity\n",
-        "simulation_interfaces/Result result\n",
-    ),
+    "ros_gz_interfaces/srv/SpawnEntity": "ros_gz_interfaces/EntityFactory entity_factory\n---\nbool success\n",
+    "simulation_interfaces/srv/DeleteEntity": "string entity\n---\nsimulation_interfaces/Result result\n",
     "simulation_interfaces/srv/GetEntities": (
-        "simulation_interfaces/EntityFilters filters\n",
-        ("simulation_interfaces/Result result\nstring[] entities\n"),
+        "simulation_interfaces/EntityFilters filters\n---\nsimulation_interfaces/Result result\nstring[] entities\n"
     ),
     "simulation_interfaces/srv/GetEntitiesStates": (
-        "simulation_interfaces/EntityFilters filters\n",
-        ("simulation_interfaces/Result result\nstring[] entities\nsimulation_interfaces/EntityState[] states\n"),
+        "simulation_interfaces/EntityFilters filters\n---\nsimulation_interfaces/Result result\nstring[] entities\n"
+        "simulation_interfaces/EntityState[] states\n"
     ),
     "simulation_interfaces/srv/GetEntityState": (
-        "string entity\n",
-        ("simulation_interfaces/Result result\nsimulation_interfaces/EntityState state\n"),
+        "string entity\n---\nsimulation_interfaces/Result result\nsimulation_interfaces/EntityState state\n"
     ),
     "simulation_interfaces/srv/GetSimulationState": (
-        "",
-        ("simulation_interfaces/SimulationState state\nsimulation_interfaces/Result result\n"),
+        "---\nsimulation_interfaces/SimulationState state\nsimulation_interfaces/Result result\n"
     ),
-    "simulation_interfaces/srv/GetSimulatorFeatures": (
-        "",
-        "simulation_interfaces/SimulatorFeatures features\n",
-    ),
+    "simulation_interfaces/srv/GetSimulatorFeatures": "---\nsimulation_interfaces/SimulatorFeatures features\n",
     "simulation_interfaces/srv/GetSpawnables": (
-        "string[] sources\n",
-        ("simulation_interfaces/Result result\nsimulation_interfaces/Spawnable[] spawnables\n"),
+        "string[] sources\n---\nsimulation_interfaces/Result result\nsimulation_interfaces/Spawnable[] spawnables\n"
     ),
     "simulation_interfaces/srv/ResetSimulation": (
-        (
-            "uint8 SCOPE_DEFAULT=0\nuint8 SCOPE_TIME=1\nuint8 SCOPE_STATE=2\nuint8 SCOPE_SPAWNED=4\n"
-            "uint8 SCOPE_ALL=255\nuint8 scope\n"
-        ),
-        "simulation_interfaces/Result result\n",
+        "uint8 SCOPE_DEFAULT=0\nuint8 SCOPE_TIME=1\nuint8 SCOPE_STATE=2\nuint8 SCOPE_SPAWNED=4\nuint8 SCOPE_ALL=255\n"
+        "uint8 scope\n---\nsimulation_interfaces/Result result\n"
     ),
     "simulation_interfaces/srv/SetEntityState": (
-        ("string entity\nsimulation_interfaces/EntityState state\n"),
-        ("uint8 INVALID_POSE=101\nsimulation_interfaces/Result result\n"),
+        "string entity\nsimulation_interfaces/EntityState state\n---\nuint8 INVALID_POSE=101\n"
+        "simulation_interfaces/Result result\n"
     ),
     "simulation_interfaces/srv/SetSimulationState": (
-        "simulation_interfaces/SimulationState state\n",
-        (
-            "uint8 ALREADY_IN_TARGET_STATE=101\nuint8 STATE_TRANSITION_ERROR=102\nuint8 INCORRECT_TRANSITION=103\n"
-            "simulation_interfaces/Result result\n"
-        ),
+        "simulation_interfaces/SimulationState state\n---\nuint8 ALREADY_IN_TARGET_STATE=101\n"
+        "uint8 STATE_TRANSITION_ERROR=102\nuint8 INCORRECT_TRANSITION=103\nsimulation_interfaces/Result result\n"
     ),
     "simulation_interfaces/srv/SpawnEntity": (
-        (
-            "string name\nbool allow_renaming\nstring uri\nstring resource_string\nstring entity_namespace\n"
-            "geometry_msgs/PoseStamped initial_pose\n"
-        ),
-        (
-            "uint8 NAME_NOT_UNIQUE=101\nuint8 NAME_INVALID=102\nuint8 UNSUPPORTED_FORMAT=103\nuint8 NO_RESOURCE=104\n"
-            "uint8 NAMESPACE_INVALID=105\nuint8 RESOURCE_PARSE_ERROR=106\nuint8 MISSING_ASSETS=107\n"
-            "uint8 UNSUPPORTED_ASSETS=108\nuint8 INVALID_POSE=109\nsimulation_interfaces/Result result\n"
-            "string entity_name\n"
-        ),
+        "string name\nbool allow_renaming\nstring uri\nstring resource_string\nstring entity_namespace\n"
+        "geometry_msgs/PoseStamped initial_pose\n---\nuint8 NAME_NOT_UNIQUE=101\nuint8 NAME_INVALID=102\n"
+        "uint8 UNSUPPORTED_FORMAT=103\nuint8 NO_RESOURCE=104\nuint8 NAMESPACE_INVALID=105\n"
+        "uint8 RESOURCE_PARSE_ERROR=106\nuint8 MISSING_ASSETS=107\nuint8 UNSUPPORTED_ASSETS=108\n"
+        "uint8 INVALID_POSE=109\nsimulation_interfaces/Result result\nstring entity_name\n"
     ),
-    "simulation_interfaces/srv/StepSimulation": (
-        "uint64 steps 1\n",
-        "simulation_interfaces/Result result\n",
-    ),
-    "std_srvs/srv/Empty": (
-        "",
-        "",
-    ),
-    "std_srvs/srv/SetBool": (
-        "bool data\n",
-        "bool success\nstring message\n",
-    ),
-    "std_srvs/srv/Trigger": (
-        "",
-        "bool success\nstring message\n",
-    ),
-    "tf2_msgs/srv/FrameGraph": (
-        "",
-        "string frame_yaml\n",
-    ),
-}
-
-# Action → the texts of its goal, its result and its feedback.
-ACTIONS = {
+    "simulation_interfaces/srv/StepSimulation": "uint64 steps 1\n---\nsimulation_interfaces/Result result\n",
+    "std_srvs/srv/Empty": "---\n",
+    "std_srvs/srv/SetBool": "bool data\n---\nbool success\nstring message\n",
+    "std_srvs/srv/Trigger": "---\nbool success\nstring message\n",
+    "tf2_msgs/srv/FrameGraph": "---\nstring frame_yaml\n",
     "simulation_interfaces/action/SimulateSteps": (
-        "uint64 steps\n",
-        "simulation_interfaces/Result result\n",
-        "uint64 completed_steps\nuint64 remaining_steps\n",
+        "uint64 steps\n---\nsimulation_interfaces/Result result\n---\nuint64 completed_steps\nuint64 remaining_steps\n"
     ),
 }

@@ -6,31 +6,35 @@ import signal
 from collections.abc import Callable
 from typing import Any
 
-from drake_twin.nodes.task import Abandoned, forget_tasks, here
+from drake_twin.nodes.task import Abandoned, Task, forget_tasks, here
 
 _HARMLESS = frozenset((signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH))
 
 
-def _set_signal(real: Callable[..., Any]) -> Callable[..., Any]:
+def seen_by_nodes(real: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that is the real one for other threads, and another one for those of node programs.
+
+    Args:
+        real: The real one.
+        own: Takes the thread's task and the real one before the arguments.
+    """
+
+    def call(*arguments: Any, **options: Any) -> Any:
+        task = here()
+        return real(*arguments, **options) if task is None else own(task, real, *arguments, **options)
+
+    return call
+
+
+def _set_signal(task: Task, real: Callable[..., Any], number: int, handler: Any) -> Any:
     """The handler of Ctrl-C is called when the run ends; those of other signals when the program sends them."""
-
-    def set_handler(number: int, handler: Any) -> Any:
-        task = here()
-        if task is None:
-            return real(number, handler)
-        before = _handler_of(task.program, number)
-        task.program.handlers[int(number)] = handler
-        return before
-
-    return set_handler
+    before = _handler_of(task.program, number)
+    task.program.handlers[int(number)] = handler
+    return before
 
 
-def _get_signal(real: Callable[..., Any]) -> Callable[..., Any]:
-    def handler(number: int) -> Any:
-        task = here()
-        return real(number) if task is None else _handler_of(task.program, number)
-
-    return handler
+def _get_signal(task: Task, real: Callable[..., Any], number: int) -> Any:
+    return _handler_of(task.program, number)
 
 
 def _handler_of(program: Any, number: int) -> Any:
@@ -38,39 +42,21 @@ def _handler_of(program: Any, number: int) -> Any:
     return program.handlers.get(int(number), default)
 
 
-def _alarm(real: Callable[..., Any]) -> Callable[..., Any]:
-    def set_alarm(*arguments: Any) -> Any:
-        if here() is not None and any(arguments):
-            raise OSError("a node cannot set an alarm, which would be the twin's")
-        return real(*arguments)
-
-    return set_alarm
+def _alarm(task: Task, real: Callable[..., Any], *arguments: Any) -> Any:
+    if any(arguments):
+        raise OSError("a node cannot set an alarm, which would be the twin's")
+    return real(*arguments)
 
 
-def _kill(real: Callable[..., Any]) -> Callable[..., Any]:
-    def kill(process: int, number: int) -> None:
-        if here() is None or process != os.getpid() or not number:
-            real(process, number)
-        else:
-            _signal_itself(number)
-
-    return kill
+def _kill(task: Task, real: Callable[..., Any], process: int, number: int) -> None:
+    if process != os.getpid() or not number:
+        real(process, number)
+    else:
+        _signal_itself(task, real, number)
 
 
-def _raise_signal(real: Callable[..., Any]) -> Callable[..., Any]:
-    def raise_signal(number: int) -> None:
-        if here() is None:
-            real(number)
-        else:
-            _signal_itself(number)
-
-    return raise_signal
-
-
-def _signal_itself(number: int) -> None:
+def _signal_itself(task: Task, real: Callable[..., Any], number: int) -> None:
     """Do what a signal does to a program, without the process."""
-    task = here()
-    assert task is not None
     handler = _handler_of(task.program, number)
     if callable(handler):
         if handler is signal.default_int_handler and task is not task.program.main:
@@ -78,70 +64,43 @@ def _signal_itself(number: int) -> None:
         else:
             handler(number, None)
     elif handler != signal.SIG_IGN and number not in _HARMLESS:
-        _exit_with(128 + number)
+        _exit(task, real, 128 + number)
 
 
-def _exit(real: Callable[..., Any]) -> Callable[..., Any]:
-    def exit_at_once(code: int) -> None:
-        if here() is None:
-            real(code)
-        _exit_with(code)
-
-    return exit_at_once
-
-
-def _exit_with(code: int) -> None:
+def _exit(task: Task, real: Callable[..., Any], code: int) -> None:
     """End the program of the present thread."""
-    task = here()
-    assert task is not None
     task.program.exit(code)
     raise Abandoned
 
 
-def _register(real: Callable[..., Any]) -> Callable[..., Any]:
-    def register(function: Callable[..., Any], *arguments: Any, **options: Any) -> Callable[..., Any]:
-        task = here()
-        if task is None:
-            real(function, *arguments, **options)
-        else:
-            task.program.at_exit.append((function, arguments, options))
-        return function
-
-    return register
+def _register(
+    task: Task, real: Callable[..., Any], function: Callable[..., Any], *arguments: Any, **options: Any
+) -> Callable[..., Any]:
+    task.program.at_exit.append((function, arguments, options))
+    return function
 
 
-def _unregister(real: Callable[..., Any]) -> Callable[..., Any]:
-    def unregister(function: Callable[..., Any]) -> None:
-        task = here()
-        if task is None:
-            real(function)
-        else:
-            task.program.at_exit[:] = [item for item in task.program.at_exit if item[0] != function]
-
-    return unregister
+def _unregister(task: Task, real: Callable[..., Any], function: Callable[..., Any]) -> None:
+    task.program.at_exit[:] = [item for item in task.program.at_exit if item[0] != function]
 
 
-def _change_folder(real: Callable[..., Any]) -> Callable[..., Any]:
-    def change_folder(path: Any) -> None:
-        task = here()
-        if task is None or task.is_outside:
-            real(path)
-            return
-        if not task.program.folder:
-            task.program.outer_folder = os.getcwd()
+def _change_folder(task: Task, real: Callable[..., Any], path: Any) -> None:
+    if task.is_outside:
         real(path)
-        task.program.folder = os.getcwd()
+        return
+    if not task.program.folder:
+        task.program.outer_folder = os.getcwd()
+    real(path)
+    task.program.folder = os.getcwd()
 
-    return change_folder
 
-
-# (place, name, what makes the replacement from it)
-REPLACEMENTS: tuple[tuple[Any, str, Callable[[Any], Any]], ...] = (
+# (place, name, what node programs have there, see `seen_by_nodes`)
+REPLACEMENTS: tuple[tuple[Any, str, Callable[..., Any]], ...] = (
     (signal, "signal", _set_signal),
     (signal, "getsignal", _get_signal),
     (signal, "alarm", _alarm),
     (signal, "setitimer", _alarm),
-    (signal, "raise_signal", _raise_signal),
+    (signal, "raise_signal", _signal_itself),
     (os, "kill", _kill),
     (os, "_exit", _exit),
     (os, "chdir", _change_folder),

@@ -14,12 +14,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib.util import module_from_spec
 from math import inf
 from types import ModuleType
 from typing import Any
 
-from drake_twin.nodes.process_calls import REPLACEMENTS, follow_forks
+from drake_twin.nodes.process_calls import REPLACEMENTS, follow_forks, seen_by_nodes
 from drake_twin.nodes.standard_input import POLL, StandardInput, ask
 from drake_twin.nodes.task import Task, here
 
@@ -41,26 +42,26 @@ def install() -> None:
     _users += 1
     if _users > 1:
         return
-    for name, factor in (("time", 1e-9), ("monotonic", 1e-9), ("perf_counter", 1e-9)):
-        _replace(time, name, _clock(getattr(time, name), factor))
-        _replace(time, f"{name}_ns", _clock(getattr(time, f"{name}_ns"), 1))
-    _replace(time, "sleep", _sleep(time.sleep))
-    for name in ("localtime", "gmtime"):
-        _replace(time, name, _of_now(getattr(time, name)))
-    _replace(threading.Thread, "start", _start)
-    _replace(threading.Thread, "join", _join(threading.Thread.join))
-    _replace(threading.Condition, "wait", _condition_wait(threading.Condition.wait))
-    _replace(threading, "Lock", _maker(threading.Lock, NodeLock))
-    _replace(threading, "RLock", _maker(threading.RLock, NodeRLock))
-    _replace(queue, "SimpleQueue", _maker(queue.SimpleQueue, queue._PySimpleQueue))  # type: ignore[attr-defined]
-    _replace(select, "select", _select(select.select))
+    for name in ("time", "monotonic", "perf_counter"):
+        _replace_for_nodes(time, name, partial(_now, 1e-9))
+        _replace_for_nodes(time, f"{name}_ns", partial(_now, 1))
+    _replace_for_nodes(time, "sleep", _sleep)
+    _replace_for_nodes(time, "localtime", _of_now)
+    _replace_for_nodes(time, "gmtime", _of_now)
+    _replace_for_nodes(threading.Thread, "start", _start)
+    _replace_for_nodes(threading.Thread, "join", _join)
+    _replace_for_nodes(threading.Condition, "wait", _condition_wait)
+    _replace_for_nodes(threading, "Lock", partial(_made, NodeLock))
+    _replace_for_nodes(threading, "RLock", partial(_made, NodeRLock))
+    _replace_for_nodes(queue, "SimpleQueue", partial(_made, queue._PySimpleQueue))  # type: ignore[attr-defined]
+    _replace_for_nodes(select, "select", _select)
     for selector in _SELECTORS:
-        _replace(selector, "select", _selector_select(selector.select))
-    for place, name, make in REPLACEMENTS:
-        _replace(place, name, make(getattr(place, name)))
+        _replace_for_nodes(selector, "select", _selector_select)
+    for place, name, own in REPLACEMENTS:
+        _replace_for_nodes(place, name, own)
     if sys.stdin is not None:
         _replace(sys, "stdin", StandardInput(sys.stdin))
-    _replace(builtins, "input", ask(builtins.input))
+    _replace_for_nodes(builtins, "input", ask)
 
 
 def uninstall() -> None:
@@ -96,36 +97,23 @@ def _replace(place: Any, name: str, value: Any) -> None:
     setattr(place, name, value)
 
 
-def _clock(real: Callable[[], Any], factor: float) -> Callable[[], Any]:
-    def now() -> Any:
-        task = here()
-        if task is None:
-            return real()
-        task.count_call()
-        return task.now * factor
-
-    return now
+def _replace_for_nodes(place: Any, name: str, own: Callable[..., Any]) -> None:
+    _replace(place, name, seen_by_nodes(getattr(place, name), own))
 
 
-def _of_now(real: Callable[..., Any]) -> Callable[..., Any]:
-    def convert(seconds: float | None = None) -> Any:
-        task = here()
-        return real(seconds) if task is None or seconds is not None else real(task.now / _SECOND)
-
-    return convert
+def _now(factor: float, task: Task, real: Callable[[], Any]) -> Any:
+    task.count_call()
+    return task.now * factor
 
 
-def _sleep(real: Callable[[float], None]) -> Callable[[float], None]:
-    def sleep(seconds: float) -> None:
-        task = here()
-        if task is None:
-            real(seconds)
-            return
-        if seconds < 0:
-            raise ValueError("sleep length must be non-negative")
-        sleep_for(task, round(seconds * _SECOND))
+def _of_now(task: Task, real: Callable[..., Any], seconds: float | None = None) -> Any:
+    return real(task.now / _SECOND if seconds is None else seconds)
 
-    return sleep
+
+def _sleep(task: Task, real: Callable[[float], None], seconds: float) -> None:
+    if seconds < 0:
+        raise ValueError("sleep length must be non-negative")
+    sleep_for(task, round(seconds * _SECOND))
 
 
 def sleep_for(task: Task, nanoseconds: int) -> None:
@@ -148,55 +136,34 @@ def wait_until(task: Task, is_ready: Callable[[], bool], timeout: float | None) 
 # Threads and locks ---------------------------------------------------------------------------------------------------
 
 
-def _start(thread: threading.Thread) -> None:
-    task = here()
-    if task is None:
-        _replaced_value(threading.Thread, "start")(thread)
-        return
+def _start(task: Task, real: Callable[..., None], thread: threading.Thread) -> None:
     run = thread.run
     task.new_thread(lambda: task.program.guard(run), thread)
 
 
-def _replaced_value(place: Any, name: str) -> Any:
-    return next(value for known, each, value in _replaced if known is place and each == name)
+def _join(task: Task, real: Callable[..., None], thread: threading.Thread, timeout: float | None = None) -> None:
+    other = next((item for item in task.program.threads if item.thread is thread), None)
+    if other is None or other is task:
+        real(thread, timeout)
+    else:
+        wait_until(task, lambda: other.has_ended, timeout)
 
 
-def _join(real: Callable[..., None]) -> Callable[..., None]:
-    def join(thread: threading.Thread, timeout: float | None = None) -> None:
-        task = here()
-        if task is None:
-            real(thread, timeout)
-            return
-        other = next((item for item in task.program.threads if item.thread is thread), None)
-        if other is None or other is task:
-            real(thread, timeout)
-        else:
-            wait_until(task, lambda: other.has_ended, timeout)
-
-    return join
-
-
-def _condition_wait(real: Callable[..., bool]) -> Callable[..., bool]:
-    def wait(condition: Any, timeout: float | None = None) -> bool:
-        task = here()
-        if task is None:
-            return real(condition, timeout)
-        if not condition._is_owned():
-            raise RuntimeError("cannot wait on un-acquired lock")
-        waiter = _thread.allocate_lock()
-        waiter.acquire()
-        condition._waiters.append(waiter)
-        saved = condition._release_save()
-        notified = False
-        try:
-            notified = wait_until(task, lambda: not waiter.locked(), timeout)
-        finally:
-            condition._acquire_restore(saved)
-            if not notified and waiter in condition._waiters:
-                condition._waiters.remove(waiter)
-        return notified
-
-    return wait
+def _condition_wait(task: Task, real: Callable[..., bool], condition: Any, timeout: float | None = None) -> bool:
+    if not condition._is_owned():
+        raise RuntimeError("cannot wait on un-acquired lock")
+    waiter = _thread.allocate_lock()
+    waiter.acquire()
+    condition._waiters.append(waiter)
+    saved = condition._release_save()
+    notified = False
+    try:
+        notified = wait_until(task, lambda: not waiter.locked(), timeout)
+    finally:
+        condition._acquire_restore(saved)
+        if not notified and waiter in condition._waiters:
+            condition._waiters.remove(waiter)
+    return notified
 
 
 class NodeLock:
@@ -282,57 +249,44 @@ class NodeRLock:
         self._count, self._owner = state
 
 
-def _maker(real: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
-    def make(*arguments: Any) -> Any:
-        return real(*arguments) if here() is None else own(*arguments)
-
-    return make
+def _made(own: Callable[..., Any], task: Task, real: Callable[..., Any], *arguments: Any) -> Any:
+    return own(*arguments)
 
 
 # Files ---------------------------------------------------------------------------------------------------
 
 
-def _select(real: Callable[..., Any]) -> Callable[..., Any]:
-    def wait(reading: Any, writing: Any, failing: Any, timeout: float | None = None) -> Any:
-        task = here()
-        if task is None:
-            return real(reading, writing, failing, timeout)
-        if timeout is None:
-            with task.outside():
-                return real(reading, writing, failing)
-        end = task.now + round(timeout * _SECOND)
-        while True:
-            found = real(reading, writing, failing, 0)
-            if any(found) or (timeout > 0 and task.now >= end):
-                return found
-            sleep_for(task, min(POLL, end - task.now))
-            if timeout == 0:
-                return real(reading, writing, failing, 0)
-
-    return wait
+def _select(
+    task: Task, real: Callable[..., Any], reading: Any, writing: Any, failing: Any, timeout: float | None = None
+) -> Any:
+    if timeout is None:
+        with task.outside():
+            return real(reading, writing, failing)
+    end = task.now + round(timeout * _SECOND)
+    while True:
+        found = real(reading, writing, failing, 0)
+        if any(found) or (timeout > 0 and task.now >= end):
+            return found
+        sleep_for(task, min(POLL, end - task.now))
+        if timeout == 0:
+            return real(reading, writing, failing, 0)
 
 
-def _selector_select(real: Callable[..., Any]) -> Callable[..., Any]:
+def _selector_select(task: Task, real: Callable[..., Any], selector: Any, timeout: float | None = None) -> Any:
     """Let ``asyncio`` and others that wait for files or a time wait in simulated time."""
+    if timeout is None or timeout <= 0:
+        task.count_call()
+        return real(selector, timeout)
+    found: list[Any] = []
 
-    def wait(selector: Any, timeout: float | None = None) -> Any:
-        task = here()
-        if task is None or timeout is None or timeout <= 0:
-            if task is not None:
-                task.count_call()
-            return real(selector, timeout)
-        found: list[Any] = []
+    def is_ready() -> bool:
+        found[:] = found or real(selector, 0)
+        return bool(found)
 
-        def is_ready() -> bool:
-            found[:] = found or real(selector, 0)
-            return bool(found)
-
-        end = task.now + round(timeout * _SECOND)
-        while not is_ready() and task.now < end:
-            task.watch(is_ready, min(POLL, end - task.now))
-        return found
-
-    return wait
+    end = task.now + round(timeout * _SECOND)
+    while not is_ready() and task.now < end:
+        task.watch(is_ready, min(POLL, end - task.now))
+    return found
 
 
 # Dates ---------------------------------------------------------------------------------------------------------------

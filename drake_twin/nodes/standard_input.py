@@ -99,17 +99,13 @@ def wait_for_input(task: Task, file: int) -> None:
         task.watch(is_ready, POLL)
 
 
-def ask(real: Callable[..., str]) -> Callable[..., str]:
-    """Return a stand-in of Python's ``input``, which would read from a terminal without ``sys.stdin``."""
-
-    def ask_for_line(prompt: object = "", /) -> str:
-        if here() is None or sys.stdin is None:
-            return real(prompt)
-        sys.stdout.write(str(prompt))
-        sys.stdout.flush()
-        line = sys.stdin.readline()
-        if not line:
-            raise EOFError("EOF when reading a line")
-        return line.removesuffix("\n")
-
-    return ask_for_line
+def ask(task: Task, real: Callable[..., str], prompt: object = "", /) -> str:
+    """Do as Python's ``input``, which would read from a terminal without ``sys.stdin``."""
+    if sys.stdin is None:
+        return real(prompt)
+    sys.stdout.write(str(prompt))
+    sys.stdout.flush()
+    line = sys.stdin.readline()
+    if not line:
+        raise EOFError("EOF when reading a line")
+    return line.removesuffix("\n")

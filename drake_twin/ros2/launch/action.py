@@ -1,7 +1,7 @@
 """Actions: entities that do something when they are visited."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, ClassVar
 
 from drake_twin.ros2.launch.conditions.if_condition import IfCondition
 from drake_twin.ros2.launch.conditions.unless_condition import UnlessCondition
@@ -20,6 +20,10 @@ class Action(LaunchDescriptionEntity):
         condition: A condition, or None.
     """
 
+    # The attributes of the action's element that the constructor takes as substitutions, and those that it may lack.
+    _required: ClassVar[tuple[str, ...]] = ()
+    _optional: ClassVar[tuple[str, ...]] = ()
+
     def __init__(self, *, condition: Any = None):
         if condition is not None and not callable(getattr(condition, "evaluate", condition)):
             raise TypeError(f"condition= takes a condition such as IfCondition, and got {condition!r}")
@@ -28,7 +32,7 @@ class Action(LaunchDescriptionEntity):
 
     @classmethod
     def parse(cls, entity: Entity, parser: Parser) -> Parsed:
-        """Return the class and its arguments for an element of a launch file: here its condition.
+        """Return the class and its arguments for an element of a launch file: its condition, and what a class names.
 
         Raises:
             InputError: If an attribute is missing or wrong.
@@ -36,9 +40,12 @@ class Action(LaunchDescriptionEntity):
         given = parser.parse_optional(entity, "if", "unless")
         if len(given) == 2:
             raise entity.error("if and unless cannot both be given")
-        if "if" in given:
-            return cls, {"condition": IfCondition(given["if"])}
-        return cls, {"condition": UnlessCondition(given["unless"])} if given else {}
+        arguments: dict[str, Any] = {}
+        if given:
+            condition = IfCondition(given["if"]) if "if" in given else UnlessCondition(given["unless"])
+            arguments["condition"] = condition
+        arguments |= parser.parse_required(entity, *cls._required)
+        return cls, arguments | parser.parse_optional(entity, *cls._optional)
 
     @property
     def condition(self) -> Any:

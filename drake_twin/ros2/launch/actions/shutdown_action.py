@@ -4,9 +4,7 @@ from typing import Any
 
 from drake_twin.ros2.launch.actions.emit_event import EmitEvent
 from drake_twin.ros2.launch.events.shutdown import Shutdown as ShutdownEvent
-from drake_twin.ros2.launch.frontend.entity import Entity
-from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
-from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.frontend.expose import expose_action
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
@@ -16,16 +14,11 @@ from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl im
 class Shutdown(EmitEvent):
     """Ends the launch."""
 
+    _optional = ("reason",)
+
     def __init__(self, *, reason: SomeSubstitutionsType = "reason not given", **kwargs: Any):
         super().__init__(event=ShutdownEvent(), **kwargs)
         self.reason = normalize_to_list_of_substitutions(reason)
-
-    @classmethod
-    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
-        """Return the class and its arguments for ``<shutdown>``."""
-        _, arguments = super().parse(entity, parser)
-
-        return cls, {**arguments, **parser.parse_optional(entity, "reason")}
 
     def execute(self, context: LaunchContext) -> None:
         """End the launch after what is due before."""

@@ -3,9 +3,7 @@
 from typing import Any
 
 from drake_twin.ros2.launch.action import Action
-from drake_twin.ros2.launch.frontend.entity import Entity
-from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
-from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.frontend.expose import expose_action
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
@@ -15,16 +13,11 @@ from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl im
 class UnsetEnvironmentVariable(Action):
     """Removes an environment variable."""
 
+    _required = ("name",)
+
     def __init__(self, name: SomeSubstitutionsType, **kwargs: Any):
         super().__init__(**kwargs)
         self.name = normalize_to_list_of_substitutions(name)
-
-    @classmethod
-    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
-        """Return the class and its arguments for ``<unset_env>``."""
-        _, arguments = super().parse(entity, parser)
-
-        return cls, {**arguments, **parser.parse_required(entity, "name")}
 
     def execute(self, context: LaunchContext) -> None:
         """Remove the variable."""

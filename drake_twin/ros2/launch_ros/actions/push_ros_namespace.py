@@ -3,9 +3,7 @@
 from typing import Any
 
 from drake_twin.ros2.launch.action import Action
-from drake_twin.ros2.launch.frontend.entity import Entity
-from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
-from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.frontend.expose import expose_action
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
@@ -18,16 +16,11 @@ __all__ = ["PushROSNamespace", "PushRosNamespace"]
 class PushRosNamespace(Action):
     """Puts the nodes that follow, to the end of the scope, into a namespace."""
 
+    _required = ("namespace",)
+
     def __init__(self, namespace: SomeSubstitutionsType, **kwargs: Any):
         super().__init__(**kwargs)
         self.namespace = normalize_to_list_of_substitutions(namespace)
-
-    @classmethod
-    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
-        """Return the class and its arguments for ``<push_ros_namespace>``."""
-        _, arguments = super().parse(entity, parser)
-
-        return cls, {**arguments, **parser.parse_required(entity, "namespace")}
 
     def execute(self, context: LaunchContext) -> None:
         """Push the namespace."""

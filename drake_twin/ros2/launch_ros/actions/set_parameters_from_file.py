@@ -3,9 +3,7 @@
 from typing import Any
 
 from drake_twin.ros2.launch.action import Action
-from drake_twin.ros2.launch.frontend.entity import Entity
-from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
-from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.frontend.expose import expose_action
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterFile
@@ -16,16 +14,11 @@ from drake_twin.ros2.node_settings import add_global
 class SetParametersFromFile(Action):
     """Sets the parameters of a file for all nodes that follow, to the end of the scope."""
 
+    _required = ("filename",)
+
     def __init__(self, filename: SomeSubstitutionsType, **kwargs: Any):
         super().__init__(**kwargs)
         self.filename = filename
-
-    @classmethod
-    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
-        """Return the class and its arguments for ``<set_parameters_from_file>``."""
-        _, arguments = super().parse(entity, parser)
-
-        return cls, {**arguments, **parser.parse_required(entity, "filename")}
 
     def execute(self, context: LaunchContext) -> None:
         """Set the parameters."""
