@@ -23,8 +23,11 @@ PROGRAMS = {
     "check": "report what a robot file contains, what is mended in it and what is ignored",
 }
 TOOLS = {
-    "control": "list and switch the controllers of a running twin, as `ros2 control` does",
-    "param": "list, get and set parameters, as `ros2 param` does",
+    "action": "list the actions of a running twin and send goals, as `ros2 action` does",
+    "control": "list, load and switch the controllers, as `ros2 control` does",
+    "interface": "list and show the types that are known, as `ros2 interface` does",
+    "node": "list the nodes and what they publish, hear and serve, as `ros2 node` does",
+    "param": "list, get, set, dump and load parameters, as `ros2 param` does",
     "service": "list and call the services, as `ros2 service` does",
     "tf_echo": "print the transform between two frames, as tf2_ros's tf2_echo does",
     "topic": "list, echo, publish and time the topics, as `ros2 topic` does",

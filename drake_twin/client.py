@@ -84,13 +84,16 @@ class Client:
         """Return the services, sorted, with their types."""
         return self._types(SERVICE)
 
-    def subscribe(self, topic: str, heard: Callable[[Any], None], kind: str | None = None) -> Closable:
+    def subscribe(
+        self, topic: str, heard: Callable[[Any], None], kind: str | None = None, *, is_raw: bool = False
+    ) -> Closable:
         """Subscribe to a topic; of a latched one, the last message comes at once.
 
         Args:
             topic: Its full name.
             heard: Is called with each message, in another thread.
             kind: The message type; by default the one that the graph says.
+            is_raw: Whether `heard` is given each message's CDR bytes.
 
         Returns:
             The subscription; close it to end it.
@@ -103,7 +106,7 @@ class Client:
         kind = _checked_type("topic", topic, kind, dict(sorted((item.name, item.type) for item in entities)))
         latched = any(item.latched for item in entities if item.name == topic and item.kind == PUBLISHER)
         endpoint = self._endpoint(topic, kind, latched)
-        return self._wire.listen(endpoint, _Decoder(endpoint, heard).take)
+        return self._wire.listen(endpoint, heard if is_raw else _Decoder(endpoint, heard).take)
 
     def publisher(self, topic: str, kind: str | None = None, *, must_exist: bool = True) -> "Publisher":
         """Make a publisher.

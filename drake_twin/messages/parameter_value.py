@@ -1,6 +1,6 @@
-"""Values of ``rcl_interfaces/msg/ParameterValue`` from Python's, and back."""
+"""Parameters as ROS has them: their names with dots, and values of ``rcl_interfaces/msg/ParameterValue``."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 NOT_SET = 0  # rcl_interfaces/msg/ParameterType
@@ -17,6 +17,15 @@ FIELDS = {  # type → the field with its value
     8: "double_array_value",
     9: "string_array_value",
 }
+
+
+def flat(parameters: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield parameters by their names in ROS: those in a nested mapping have the names above, with dots."""
+    for name, value in parameters.items() if isinstance(parameters, Mapping) else ():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
 
 
 def type_of(value: Any) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from drake_twin.messages.parameter_value import python_value, type_of, value_fields
+from drake_twin.messages.parameter_value import flat, python_value, type_of, value_fields
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.services.registry import Fields, Service
 from drake_twin.twin.twin import Twin
@@ -35,16 +35,7 @@ def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[tuple[str, Parameters]]:
     loaded = twin.control.manager(plan.name).states
     for controller in plan.controllers:
         if controller.name in loaded:
-            yield f"{namespace}/{controller.name}", clock | dict(_flat(controller.ros_parameters))
-
-
-def _flat(parameters: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield parameters by their names in ROS: those in a nested mapping have the names above, with dots."""
-    for name, value in parameters.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value
+            yield f"{namespace}/{controller.name}", clock | dict(flat(controller.ros_parameters))
 
 
 def _get_parameters(parameters: Parameters, request: Any) -> Fields:

@@ -1,23 +1,22 @@
-"""``drake-twin topic list|echo|hz|info|pub``: the topics of a running twin, as ``ros2 topic`` has them."""
+"""``drake-twin topic``: the topics of a running twin, as ``ros2 topic`` has them."""
 
 import argparse
 import math
 import sys
 import time
-from collections import deque
 from collections.abc import Sequence
-from dataclasses import is_dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser
-from drake_twin.tools.verb import Arrivals, Verb, positive, run_verbs, yaml_values
+from drake_twin.tools.stamps import set_times, without_words
+from drake_twin.tools.topic_echo import add_echo, echo
+from drake_twin.tools.topic_meters import add_bw, add_delay, add_hz, bw, delay, hz
+from drake_twin.tools.verb import Now, Verb, positive, print_found, print_names, run_verbs, shown, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
 
-_PERIOD = 1.0  # s between two lines of `hz`
-_LONGEST = 128  # as `ros2 topic echo` cuts sequences and texts
 _POLL = 0.1  # s between two counts of the subscribers
 
 
@@ -28,12 +27,7 @@ def _add_list(parser: ArgumentParser) -> None:
 
 
 def _list(client: "Client", options: argparse.Namespace) -> int:
-    topics = {name: kind for name, kind in client.topics().items() if options.include_hidden_topics or "/_" not in name}
-    if options.count_topics:
-        print(len(topics))
-        return 0
-    for name, kind in topics.items():
-        print(f"{name} [{kind}]" if options.show_types else name)
+    print_names(shown(client.topics(), options.include_hidden_topics), options.show_types, options.count_topics)
     return 0
 
 
@@ -62,103 +56,36 @@ def _info(client: "Client", options: argparse.Namespace) -> int:
     return 0
 
 
-def _add_echo(parser: ArgumentParser) -> None:
+def _add_type(parser: ArgumentParser) -> None:
     parser.add_argument("topic_name", metavar="TOPIC", help="the topic")
-    parser.add_argument("message_type", metavar="TYPE", nargs="?", help="its type; by default what the graph says")
-    parser.add_argument("--once", action="store_true", help="end after the first message")
-    parser.add_argument("--field", help="print only this field, for example pose.pose.position")
-    parser.add_argument("-f", "--full-length", action="store_true", help="do not cut long arrays and texts")
-    parser.add_argument(
-        "-l", "--truncate-length", type=int, metavar="N", default=_LONGEST, help="where to cut them (default: 128)"
-    )
-    parser.add_argument("--flow-style", action="store_true", help="print a message on one line")
 
 
-def _echo(client: "Client", options: argparse.Namespace) -> int:
-    from drake_twin.messages.text import message_text
+def _type(client: "Client", options: argparse.Namespace) -> int:
+    kind = client.topics().get(options.topic_name)
+    if kind is not None:
+        print(kind)
+    return int(kind is None)
 
-    if options.truncate_length < 0:
-        raise InputError(f"--truncate-length {options.truncate_length} is negative")
-    longest = None if options.full_length else options.truncate_length
-    arrivals, lost = Arrivals(), 0
-    client.subscribe(options.topic_name, arrivals.put, options.message_type)
-    try:
-        for message in arrivals:
-            if arrivals.lost > lost:
-                change, lost = arrivals.lost - lost, arrivals.lost
-                text = f"A message was lost!!!\n\ttotal count change:{change}\n\ttotal count: {lost}\n---"
-                print(text, file=sys.stderr)
-            chosen = message if options.field is None else _field(message, options.field)
-            print(message_text(chosen, longest, flow_style=options.flow_style), flush=True)
-            if options.once:
-                break
-    except KeyboardInterrupt:
-        pass
+
+def _add_find(parser: ArgumentParser) -> None:
+    parser.add_argument("topic_type", metavar="TYPE", help="the type, for example sensor_msgs/msg/JointState")
+    parser.add_argument("-c", "--count-topics", action="store_true", help="print only how many there are")
+    parser.add_argument("--include-hidden-topics", action="store_true", help="find those of actions, too")
+
+
+def _find(client: "Client", options: argparse.Namespace) -> int:
+    print_found(shown(client.topics(), options.include_hidden_topics), options.topic_type, options.count_topics)
     return 0
-
-
-def _field(message: Any, path: str) -> Any:
-    from drake_twin.messages.text import field_names
-
-    for name in filter(None, path.split(".")):
-        known = field_names(message) if is_dataclass(message) else []
-        if name not in known:
-            raise InputError(f"--field {path}: unknown field {name!r}", value=name, valid=known)
-        message = getattr(message, name)
-    return message
-
-
-def _add_hz(parser: ArgumentParser) -> None:
-    parser.add_argument("topic_name", metavar="TOPIC", help="the topic")
-    parser.add_argument(
-        "-w", "--window", type=int, metavar="N", default=10_000, help="average over so many (default: 10000)"
-    )
-
-
-def _hz(client: "Client", options: argparse.Namespace) -> int:
-    if options.window < 1:
-        raise InputError(f"--window {options.window}: the average is of at least one period")
-    arrivals, last = Arrivals(), 0
-    periods: deque[int] = deque(maxlen=options.window)
-    client.subscribe(options.topic_name, lambda message: arrivals.put(time.monotonic_ns()))
-    printed, due = True, time.monotonic() + _PERIOD
-    try:
-        while True:
-            arrived = arrivals.get(due - time.monotonic())
-            if arrived is not None:
-                if last:
-                    periods.append(arrived - last)
-                    printed = False
-                last = arrived
-            if time.monotonic() >= due:
-                due += _PERIOD
-                if not printed:
-                    print(rate_text(periods), flush=True)
-                printed = True
-    except KeyboardInterrupt:
-        if not printed:
-            print(rate_text(periods), flush=True)
-    return 0
-
-
-def rate_text(periods: Sequence[int]) -> str:
-    """Return what ``ros2 topic hz`` prints for the periods (ns) between messages."""
-    mean = math.fsum(periods) / len(periods)
-    deviation = math.sqrt(math.fsum((period - mean) ** 2 for period in periods) / len(periods))
-    rate = 1e9 / mean if mean > 0 else 0.0
-    shortest, longest = min(periods) * 1e-9, max(periods) * 1e-9
-    return (
-        f"average rate: {rate:.3f}\n"
-        f"\tmin: {shortest:.3f}s max: {longest:.3f}s std dev: {deviation * 1e-9:.5f}s window: {len(periods)}"
-    )
 
 
 def _add_pub(parser: ArgumentParser) -> None:
     parser.add_argument("topic_name", metavar="TOPIC", help="the topic")
     parser.add_argument("message_type", metavar="TYPE", help="its type, for example std_msgs/msg/Float64MultiArray")
+    words = "'auto' for a header and 'now' for a time are the time at which it is published"
     parser.add_argument(
-        "values", metavar="VALUES", nargs="?", default="{}", help="the fields as YAML, '{data: [1, 2]}'"
+        "values", metavar="VALUES", nargs="?", default="{}", help=f"the fields as YAML, '{{data: [1, 2]}}'; {words}"
     )
+    parser.add_argument("--stdin", action="store_true", help="read them from the standard input")
     parser.add_argument("-r", "--rate", metavar="N", type=positive, default=1.0, help="messages a second (default: 1)")
     parser.add_argument("-p", "--print", metavar="N", type=int, default=1, help="print every N-th (default: 1)")
     times = parser.add_mutually_exclusive_group()
@@ -172,6 +99,8 @@ def _add_pub(parser: ArgumentParser) -> None:
         default=1,
         help="wait for so many subscribers (default: 1); with 0, a topic without subscribers is published, too",
     )
+    parser.add_argument("--max-wait-time-secs", metavar="S", type=positive, help="wait no longer (default: for ever)")
+    Now.add_argument(parser)
     parser.add_argument(
         "--keep-alive", metavar="N", type=positive, default=0.1, help="stay so long after the last (s; default: 0.1)"
     )
@@ -185,9 +114,10 @@ def _pub(client: "Client", options: argparse.Namespace) -> int:
     if options.times < 0 or options.wait_matching_subscriptions < 0:
         raise InputError("--times and --wait-matching-subscriptions are whole numbers from 0")
     times, wanted = 1 if options.once else options.times, options.wait_matching_subscriptions
-    values = yaml_values(options.values)
+    values = yaml_values(sys.stdin.read() if options.stdin else options.values)
     publisher = client.publisher(options.topic_name, options.message_type, must_exist=wanted > 0)
-    message = made(publisher.topic, publisher.type, values)
+    values, stamps = without_words(publisher.type, values)
+    message, now = made(publisher.topic, publisher.type, values), Now(client, options)
 
     def subscribers() -> int:
         return sum(item.kind == SUBSCRIPTION and item.name == publisher.topic for item in client.entities())
@@ -195,13 +125,19 @@ def _pub(client: "Client", options: argparse.Namespace) -> int:
     try:
         if wanted and subscribers() < wanted:
             print(f"Waiting for at least {wanted} matching subscription(s)...", flush=True)
+        end = time.monotonic() + (options.max_wait_time_secs or math.inf)
         while wanted and not (publisher.wait_for_subscriber(_POLL) and subscribers() >= wanted):
+            if time.monotonic() > end:
+                only = f"Expected {wanted} subcribers but only got {subscribers()} subscribers"
+                print(f"Timed out waiting for subscribers: {only}", file=sys.stderr)
+                return 1
             time.sleep(_POLL)
         print("publisher: beginning loop")
         count, due = 0, time.monotonic()
         while not times or count < times:
             time.sleep(max(0.0, due - time.monotonic()))
             count, due = count + 1, due + 1 / options.rate
+            set_times(message, stamps, now())
             if options.print and count % options.print == 0:
                 print(f"publishing #{count}: {call_text(message)}\n", flush=True)
             publisher.publish(message)
@@ -213,9 +149,13 @@ def _pub(client: "Client", options: argparse.Namespace) -> int:
 
 VERBS = {
     "list": Verb("list the topics", _add_list, _list),
-    "echo": Verb("print the messages of a topic; Ctrl-C ends it", _add_echo, _echo),
-    "hz": Verb("print how often messages arrive, by the wall clock; Ctrl-C ends it", _add_hz, _hz),
+    "type": Verb("print the type of a topic", _add_type, _type),
+    "find": Verb("list the topics of a type", _add_find, _find),
     "info": Verb("print the type of a topic and who publishes and hears it", _add_info, _info),
+    "echo": Verb("print the messages of a topic; Ctrl-C ends it", add_echo, echo),
+    "hz": Verb("print how often messages arrive, by the wall clock; Ctrl-C ends it", add_hz, hz),
+    "bw": Verb("print how many bytes arrive; Ctrl-C ends it", add_bw, bw),
+    "delay": Verb("print how old messages with a stamp are; Ctrl-C ends it", add_delay, delay),
     "pub": Verb("publish messages on a topic; Ctrl-C ends it", _add_pub, _pub),
 }
 

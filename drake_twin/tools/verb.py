@@ -4,6 +4,7 @@ import os
 import queue
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -27,11 +28,13 @@ class Verb:
         help: What it does, in one line.
         add_arguments: Adds its arguments to a parser.
         run: Does it with a client and the arguments, and returns the exit code.
+        needs_twin: Whether it needs a running twin; without, the client is none.
     """
 
     help: str
     add_arguments: Callable[[ArgumentParser], None]
-    run: "Callable[[Client, argparse.Namespace], int]"
+    run: "Callable[[Any, argparse.Namespace], int]"
+    needs_twin: bool = True
 
 
 def run_verbs(tool: str, verbs: Mapping[str, Verb], arguments: Sequence[str] | None) -> int:
@@ -60,17 +63,21 @@ def _run(name: str, verb: Verb, arguments: Sequence[str]) -> int:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = ArgumentParser(prog=f"drake-twin {name}", description=f"{verb.help[0].upper()}{verb.help[1:]}.")
     verb.add_arguments(parser)
-    parser.add_argument(
-        "--router",
-        metavar="HOST",
-        default="127.0.0.1:7447",
-        help="the address of the twin or of its Zenoh router, HOST or HOST:PORT (default: %(default)s)",
-    )
+    if verb.needs_twin:
+        parser.add_argument(
+            "--router",
+            metavar="HOST",
+            default="127.0.0.1:7447",
+            help="the address of the twin or of its Zenoh router, HOST or HOST:PORT (default: %(default)s)",
+        )
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
     options = parser.parse_args(arguments)
-    from drake_twin.client import Client
 
     try:
+        if not verb.needs_twin:
+            return verb.run(None, options)
+        from drake_twin.client import Client
+
         with Client(options.router) as client:
             return verb.run(client, options)
     except BrokenPipeError:  # of `| head`
@@ -107,6 +114,49 @@ class Arrivals:
         """Yield messages for ever."""
         while True:
             yield self._items.get()
+
+
+def shown(types: Mapping[str, str], include_hidden: bool) -> dict[str, str]:
+    """Return the topics or services, name → type, without those that ROS hides."""
+    return {name: kind for name, kind in types.items() if include_hidden or "/_" not in name}
+
+
+def print_names(types: Mapping[str, str], show_types: bool, only_count: bool) -> None:
+    """Print names, and types if asked for, or how many there are."""
+    lines = [f"{name} [{kind}]" if show_types else name for name, kind in types.items()]
+    print("\n".join([str(len(lines))] if only_count else lines), end="\n" if only_count or lines else "")
+
+
+def print_found(types: Mapping[str, str], kind: str, only_count: bool) -> None:
+    """Print the names of a type, or how many there are."""
+    print_names({name: its for name, its in types.items() if its == kind}, show_types=False, only_count=only_count)
+
+
+class Now:
+    """The time (ns) by the wall clock, or by the twin's with ``--use-sim-time``.
+
+    Args:
+        client: The client.
+        options: The arguments.
+    """
+
+    def __init__(self, client: "Client", options: "argparse.Namespace") -> None:
+        self._simulated: int | None = None
+        if options.use_sim_time:
+            self._simulated = 0
+            client.subscribe("/clock", self._hear)
+
+    @staticmethod
+    def add_argument(parser: ArgumentParser) -> None:
+        """Add the argument for it."""
+        parser.add_argument("-s", "--use-sim-time", action="store_true", help="take the twin's time, not the wall's")
+
+    def _hear(self, message: Any) -> None:
+        self._simulated = message.clock.sec * 1_000_000_000 + message.clock.nanosec
+
+    def __call__(self) -> int:
+        """Return the time (ns)."""
+        return time.time_ns() if self._simulated is None else self._simulated
 
 
 def yaml_values(text: str) -> Any:

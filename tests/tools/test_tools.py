@@ -1,6 +1,5 @@
 """The tools without ROS beside a running twin: what they print, what they do to it, what they refuse."""
 
-import faulthandler
 import os
 import re
 import signal
@@ -11,76 +10,39 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import yaml
-from conftest import rovers
+from tools.two_rovers import ARRAY, COMMANDS, DOMAIN, MANAGER, STATES, tool_of_two_rovers
 from wires.ros_client import while_running
 from wires.zenoh_peer import free_port
 
 from drake_twin.__main__ import TOOLS
 from drake_twin.messages import TFMessage, time_message, type_store
 from drake_twin.messages.transform_tree import TransformTree
-from drake_twin.services.graph import connect
 from drake_twin.tools import control, param, service, tf_echo, topic
-from drake_twin.tools.topic import rate_text
+from drake_twin.tools.topic_meters import rate_text
 from drake_twin.twin.replay import replay
-from drake_twin.wires.zenoh_wire import ZenohWire
 
 pytest.importorskip("zenoh")
 
-DOMAIN = 6
-COMMANDS = "/robot_1/forward_velocity_controller/commands"
-ARRAY = "std_msgs/msg/Float64MultiArray"
-MANAGER = ("-c", "/robot_1/controller_manager")
-STATES = "/robot_1/joint_states"
 
-
-@pytest.fixture(autouse=True)
-def watchdog():
-    """A tool that waits for ever would keep the tests from their end."""
-    faulthandler.dump_traceback_later(180, exit=True)
-    yield
-    faulthandler.cancel_dump_traceback_later()
+@pytest.fixture
+def tool(capsys, monkeypatch):
+    with tool_of_two_rovers(capsys, monkeypatch) as tool:
+        yield tool
 
 
 @pytest.fixture
-def port():
-    return free_port()
+def twin(tool):
+    return tool.twin
 
 
 @pytest.fixture
-def twin(port):
-    with rovers(2).static_transform("world", "robot_1_odom").build() as twin:
-        seam = connect(twin, [ZenohWire(domain=DOMAIN, port=port)])
-        try:
-            yield twin
-        finally:
-            seam.close()
-
-
-@pytest.fixture
-def tool(twin, port, capsys, monkeypatch):
-    """Runs a tool while the twin runs; returns its exit code and what it prints."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(DOMAIN))
-
-    def run(module, *words):
-        code = while_running(twin, lambda: module.main([*map(str, words), "--router", f"127.0.0.1:{port}"]))
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
+def port(tool):
+    return tool.port
 
 
 @pytest.fixture
 def refused(tool):
-    """Runs a tool that refuses what it is given; returns the paragraph."""
-
-    def run(module, *words):
-        code, _, err = tool(module, *words)
-        assert code == 2, err
-        assert err.startswith("error: ")
-        assert err.count("\n") == 1
-        return err
-
-    return run
+    return tool.refused
 
 
 def process(port, *words, **more):
@@ -345,7 +307,7 @@ def test_frames_that_do_not_fit(refused):
         ((topic, "echo", STATES, "--field", "header.stam"), "unknown field 'stam'. Did you mean 'stamp'?"),
         ((topic, "echo", STATES, "-l", -1), "--truncate-length -1 is negative"),
         ((topic, "info", "/nothing"), "unknown topic '/nothing'"),
-        ((topic, "hz", STATES, "-w", 0), "--window 0: the average is of at least one period"),
+        ((topic, "hz", STATES, "-w", 0), "--window 0: the average is of at least one message"),
         ((topic, "pub", "-1", STATES, ARRAY), "unknown subscribed topic '/robot_1/joint_states'"),
         ((topic, "pub", "-1", COMMANDS[:-1], ARRAY), f"Did you mean '{COMMANDS}'?"),
         ((topic, "pub", "-1", COMMANDS, "std_msgs/msg/String"), f"has the type {ARRAY}, not std_msgs/msg/String"),

@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from drake_twin.description.bounded_yaml import load_yaml
+from drake_twin.messages.parameter_value import flat
 from drake_twin.nodes.rclpy.exceptions import (
     InvalidNamespaceException,
     InvalidNodeNameException,
@@ -96,7 +97,7 @@ def overrides(node: str, arguments: RosArguments) -> dict[str, Any]:
             raise RuntimeError(f"Failed to parse parameters file {item}: {error}") from None
         for pattern, values in _sections(data, ""):
             if _matches(pattern, node):
-                found.update(_flat(values, ""))
+                found.update(flat(values))
     return {name: list(value) if isinstance(value, tuple) else value for name, value in found.items()}
 
 
@@ -113,11 +114,3 @@ def _sections(data: Any, path: str) -> Iterator[tuple[str, Any]]:
 def _matches(pattern: str, node: str) -> bool:
     parts = [re.escape(part).replace(r"\*\*", ".*").replace(r"\*", "[^/]+") for part in pattern.strip("/").split("/")]
     return re.fullmatch("/".join(parts).replace(".*/", "(.*/)?"), node.strip("/")) is not None
-
-
-def _flat(values: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    for name, value in values.items() if isinstance(values, Mapping) else ():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value
