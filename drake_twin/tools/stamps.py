@@ -44,7 +44,7 @@ def set_times(message: Any, paths: list[Path], now: int) -> None:
 
 
 def _message_type(field: Any) -> str | None:
-    """Return the message type of a field or its elements, as rosbags describes it; None for what is no message."""
+    """Return the message type of a field or its elements, as rosbags describes it; None for numbers and texts."""
     node, details = field
     if node.name in ("ARRAY", "SEQUENCE"):
         return _message_type(details[0])

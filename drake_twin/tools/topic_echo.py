@@ -111,7 +111,7 @@ def _abbreviated(value: Any, options: argparse.Namespace, kind: str | None = Non
 
 
 def _array_type(field: Any) -> str | None:
-    """Return how rosidl tells an array of a message's field, as rosbags describes it; None for what is none."""
+    """Return how rosidl tells an array of a message's field, as rosbags describes it; None for other fields."""
     node, details = field
     if node.name not in ("ARRAY", "SEQUENCE"):
         return None

@@ -28,7 +28,7 @@ class Verb:
         help: What it does, in one line.
         add_arguments: Adds its arguments to a parser.
         run: Does it with a client and the arguments, and returns the exit code.
-        needs_twin: Whether it needs a running twin; without, the client is none.
+        needs_twin: Whether it needs a running twin; `run` gets None for the client where it does not.
     """
 
     help: str
