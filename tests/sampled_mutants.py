@@ -219,10 +219,11 @@ def related_tests(file: str) -> list[str]:
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         test = path.relative_to(ROOT).as_posix()
         count = len(word.findall(path.read_text(encoding="utf-8")))
-        is_named = module.stem in path.stem
+        name = path.stem.removeprefix("test_")
+        named = (module.stem in name) + (module.stem == name)
         in_room = room != "" and f"tests/{room}/" in test
-        is_users = in_room and path.stem.removeprefix("test_") in users
-        value = 100 * is_named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room + 50 * is_users
+        is_users = in_room and name in users
+        value = 100 * named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room + 50 * is_users
         if value > 5 or (in_room and value):
             points[test] = value
     return sorted(points, key=lambda test: (-points[test], test))[:MOST_FILES]
