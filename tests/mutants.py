@@ -85,7 +85,7 @@ def copied_package() -> Iterator[Path]:
 
 
 def run_tests(package: Path, tests: Sequence[str], time_limit: float = TIME_LIMIT) -> str:
-    """Run test files with a copy of the package.
+    """Run test files with a copy of the package, and with a cache of meshes of its own: a wrong one is kept nowhere.
 
     Returns:
         Whether a test failed, did not end, or all passed.
@@ -103,10 +103,12 @@ def run_tests(package: Path, tests: Sequence[str], time_limit: float = TIME_LIMI
         str(ROOT),
         *(str(ROOT / test) for test in tests),
     ]
+    cache = package.parent / "cache"
+    shutil.rmtree(cache, ignore_errors=True)
     process = subprocess.Popen(
         command,
         cwd=package.parent,
-        env={**os.environ, "PYTHONPATH": str(package.parent)},
+        env={**os.environ, "PYTHONPATH": str(package.parent), "XDG_CACHE_HOME": str(cache)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -3,9 +3,9 @@
     python tests/sampled_mutants.py ROOM [ROOM ...] [--count 20] [--seed 1] [--only FILE] [--list]
 
 A fault is one changed operator, comparison, number, flag, condition or statement. Its tests are those that are named
-after the module, then those of the modules of its room that import it, and others that name what the module defines.
-One line a fault: what became of it, where it stood and what was changed. The exit code is 1 when a room catches fewer
-than 85 % of its sample.
+after the module or that `mutant_list` names for it, then those of the modules of its room that import it, and others
+that name what the module defines. One line a fault: what became of it, where it stood and what was changed. The exit
+code is 1 when a room catches fewer than 85 % of its sample.
 """
 
 import argparse
@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from mutant_list import MUTANTS
 from mutants import CAUGHT, PACKAGE, ROOT, SURVIVED, copied_package, run_tests, written
 
 LEAST_CAUGHT = 0.85
@@ -215,14 +216,17 @@ def related_tests(file: str) -> list[str]:
     dotted = ".".join((PACKAGE, *module.with_suffix("").parts))
     word = re.compile(rf"\b({'|'.join([re.escape(dotted), *names])})\b")
     users = _users(module, dotted) if room else set()
+    listed = {test for mutant in MUTANTS if mutant.files == module.as_posix() for test in mutant.tests}
     points: dict[str, float] = {}
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         test = path.relative_to(ROOT).as_posix()
         count = len(word.findall(path.read_text(encoding="utf-8")))
-        is_named = module.stem in path.stem
+        name = path.stem.removeprefix("test_")
+        named = (module.stem in name) + (module.stem == name)
         in_room = room != "" and f"tests/{room}/" in test
-        is_users = in_room and path.stem.removeprefix("test_") in users
-        value = 100 * is_named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room + 50 * is_users
+        is_users = in_room and name in users
+        value = 100 * named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room + 50 * is_users
+        value += 150 * (test in listed)
         if value > 5 or (in_room and value):
             points[test] = value
     return sorted(points, key=lambda test: (-points[test], test))[:MOST_FILES]

@@ -69,6 +69,7 @@ def test_a_tricycle_and_a_bicycle_invert_their_commands():
     for drive in (SteeringDrive(0.4, 0.1, driven=2, driven_track=0.3), SteeringDrive(0.4, 0.1)):
         speeds, (angle,) = drive.wheel_commands(-0.8, drive.steering_angle(-0.8, 0.3))
         assert drive.base_velocity(speeds, angle) == pytest.approx((-0.8, 0.3))
+        assert drive.mean_steering_angle((angle,)) == angle
 
 
 def test_the_driven_wheels_follow_the_measured_angle_until_it_is_the_commanded_one():
@@ -110,7 +111,8 @@ def test_a_steered_driven_wheel_rolls_as_its_point_of_the_base_moves():
 
 def test_a_steered_driven_wheel_turns_the_base_on_the_spot():
     drive = SteeredDrivenWheel(wheelbase=1.7, wheel_radius=0.3)
-    assert drive.wheel_command(0.0, -0.6) == pytest.approx((0.6 * 1.7 / 0.3, -pi / 2))
+    for angular, angle in ((-0.6, -pi / 2), (0.6, pi / 2)):
+        assert drive.wheel_command(0.0, angular) == pytest.approx((0.6 * 1.7 / 0.3, angle))
     assert drive.base_velocity(*drive.wheel_command(0.0, -0.6)) == pytest.approx((0.0, -0.6))
 
 

@@ -501,6 +501,7 @@ def test_feedback_tells_desired_actual_and_error():
     assert feedback.actual.positions.tolist() == [0.2, 0.0]
     assert feedback.error.positions == pytest.approx([0.3, -1.0])
     assert feedback.desired.time_from_start == messages.duration_message(0.5)
+    assert feedback.actual.time_from_start == messages.duration_message(0.5)
 
 
 # --- parameters -------------------------------------------------------------------------------------------------------
@@ -513,6 +514,7 @@ def test_controller_state_tells_reference_feedback_error_and_output():
     state = rig.state
     assert state.header.stamp == messages.time_message(rig.time)
     assert state.joint_names == ["a", "b"]
+    assert state.reference.time_from_start == state.feedback.time_from_start == messages.duration_message(0.5)
     assert state.reference.positions == pytest.approx([0.5, -1.0])
     assert state.reference.velocities == pytest.approx([1.0, -2.0])
     assert state.feedback.velocities.tolist() == [0.1, 0.0]

@@ -85,6 +85,17 @@ def test_a_plugin_of_gazebo_classic_may_be_a_sensor_by_itself():
     assert found == ("truth", "gazebo_ros_p3d", "tool", "base", 20.0, "base")
 
 
+def test_a_plugin_on_a_joint_is_at_the_joints_child():
+    (sensor,) = robot("""<gazebo><plugin name="ft" filename="libgazebo_ros_ft_sensor.so"><joint_name>flange</joint_name>
+      </plugin></gazebo>""").sensors
+    assert (sensor.kind, sensor.joint, sensor.link, sensor.gazebo_link) == (
+        "gazebo_ros_ft_sensor",
+        "flange",
+        "",
+        "tool",
+    )
+
+
 def test_a_pose_in_an_sdf_may_be_in_degrees_and_relative_to_a_frame():
     text = """<sdf version="1.9"><model name="m"><link name="base"><sensor name="imu" type="imu">
       <pose degrees="true" relative_to="mast">0 0 1 0 0 90</pose></sensor></link></model></sdf>"""

@@ -57,6 +57,19 @@ def test_a_joint_is_read_with_its_frames_and_dynamics():
     )
 
 
+@pytest.mark.parametrize(
+    ("inside", "origin"),
+    [
+        ("", Pose()),
+        ("<origin/>", Pose()),
+        ('<origin xyz="1 2 3"/>', Pose((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))),
+        ('<origin rpy="1 2 3"/>', Pose((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))),
+    ],
+)
+def test_what_an_origin_leaves_out_is_zero(inside, origin):
+    assert joint_of(inside=inside).origin == origin
+
+
 def test_names_links_and_text_are_those_of_the_file():
     description = robot(LINKS + CONTINUOUS)
     assert (description.name, description.links, description.root_link) == ("r", ("base", "arm"), "base")

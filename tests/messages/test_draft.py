@@ -53,15 +53,37 @@ def test_the_numbers_are_those_of_the_time_of_the_reading():
     assert {name: draft.serialized() for name, draft in drafts.items()} == whole
 
 
-@pytest.mark.parametrize("squared", [False, True])
-def test_numbers_that_are_not_placed_unchanged_are_written_by_rosbags(squared):
+@pytest.mark.parametrize(
+    ("change", "placed"), [(np.flip, True), (np.cbrt, False), (np.abs, False), (lambda data: data[:1], True)]
+)
+def test_numbers_that_are_not_placed_unchanged_are_written_by_rosbags(change, placed):
     from drake_twin import messages
 
     def make(time, numbers):
-        data = np.sqrt(np.abs(numbers)) if squared else numbers[::-1]
-        return messages.Float64MultiArray(messages.MultiArrayLayout([], 0), np.array(data))
+        made.append(time)
+        return messages.Float64MultiArray(messages.MultiArrayLayout([], 0), np.array(change(numbers)))
 
+    made = []
     drafter = Drafter(lambda reading: None, lambda values: values, make, 3)
-    numbers = np.array([1.0, 2.0, np.nan])
+    numbers = np.array([-1.0, 2.0, np.nan])
     assert drafter.serialized(0.1, numbers) == serialize(make(0.1, numbers))
-    assert (drafter._layout is None) == squared
+    made.clear()
+    for _ in range(5):
+        drafter.serialized(0.1, numbers)
+    assert len(made) == (0 if placed else 5)
+
+
+def test_bytes_of_stamps_and_numbers_need_no_messages_once_their_places_are_known():
+    from drake_twin import messages
+
+    def make(time, numbers):
+        made.append(time)
+        return messages.Vector3Stamped(messages.header(time, "world"), messages.Vector3(*numbers.tolist()))
+
+    made = []
+    drafter = Drafter(lambda reading: None, lambda values: values, make, 3)
+    expected = [serialize(make(0.1 * k, np.array([k, -k, 0.5]))) for k in range(9)]
+    drafter.serialized(0.0, np.zeros(3))
+    made.clear()
+    assert [drafter.serialized(0.1 * k, np.array([k, -k, 0.5])) for k in range(9)] == expected
+    assert made == []

@@ -5,7 +5,21 @@ import struct
 import pytest
 
 from drake_twin import messages
-from drake_twin.messages.interface_types import add_definition, definition, deserialize, make, serialize, type_hash
+from drake_twin.messages.interface_types import (
+    add_definition,
+    default_values,
+    definition,
+    deserialize,
+    known_names,
+    known_packages,
+    knows,
+    make,
+    make_response,
+    serialize,
+    type_hash,
+    type_names,
+)
+from drake_twin.messages.package_definitions import PACKAGES
 
 
 @pytest.mark.parametrize(
@@ -67,3 +81,73 @@ def test_fields_that_are_left_out_have_the_values_of_their_definitions():
     assert make("geometry_msgs/msg/Pose", {"orientation": {"w": 0.0}}).orientation.w == 0.0
     assert make("control_msgs/msg/MotionPrimitive", {}).type == -1  # int8 type -1
     assert make("simulation_interfaces/srv/StepSimulation_Request", {}).steps == 1  # uint64 steps 1
+
+
+def test_defaults_of_a_definition_are_numbers_flags_texts_and_lists_without_their_comments():
+    """The grammar is that of design.ros2.org's "Interface definition using .msg / .srv / .action files"."""
+    add_definition(
+        "my_msgs/msg/Defaults",
+        """int8 count -3  # three
+float64 ratio 0.5
+bool on true
+bool off 0
+string plain hello # a comment
+string single 'it is # no comment'
+string double "say \\"hi\\""
+string quote "
+int32[] few [1, 2]
+int32 LIMIT=9
+string none
+""",
+    )
+    found = default_values("my_msgs/msg/Defaults")
+    assert found.pop("few").tolist() == [1, 2]
+    assert found == {
+        "count": -3,
+        "ratio": 0.5,
+        "on": True,
+        "off": False,
+        "plain": "hello",
+        "single": "it is # no comment",
+        "double": 'say "hi"',
+        "quote": '"',
+    }
+    made = make("my_msgs/msg/Defaults", {"ratio": 0.25})
+    assert (made.count, made.ratio, made.off, made.few.tolist(), made.none) == (-3, 0.25, False, [1, 2], "")
+
+
+@pytest.mark.parametrize(
+    ("service", "field"),
+    [
+        ("std_srvs/srv/Trigger", "message"),
+        ("gazebo_msgs/srv/SpawnEntity", "status_message"),
+        ("simulation_interfaces/srv/StepSimulation", "result.error_message"),
+    ],
+)
+def test_a_reason_stands_where_a_response_has_a_place_for_one(service, field):
+    def text(reason):
+        place = make_response(service, {}, reason)
+        for name in field.split("."):
+            place = getattr(place, name)
+        return place
+
+    assert (text("too late"), text("")) == ("too late", "")
+    assert make_response("std_srvs/srv/Empty", {}, "too late").__msgtype__ == "std_srvs/srv/Empty_Response"
+
+
+def test_all_types_of_packages_are_known_by_their_names():
+    names = set(type_names())
+    assert names == {*sorted(names)}
+    for name in PACKAGES:
+        part = {"msg": "", "srv": "_Request", "action": "_Goal"}[name.split("/")[1]]
+        assert name + part in names
+        assert knows(name)
+    assert not knows("my_msgs/msg/Nothing")
+
+
+def test_a_packages_messages_services_and_actions_are_listed_without_their_parts():
+    assert known_names("std_srvs", "srv") == ["Empty", "SetBool", "Trigger"]
+    assert {"FollowJointTrajectory", "GripperCommand"} <= {*known_names("control_msgs", "action")}
+    assert {"Twist", "PoseStamped"} <= {*known_names("geometry_msgs", "msg")}
+    assert not any("_" in name for name in known_names("control_msgs", "action"))
+    assert {"std_srvs", "geometry_msgs"} <= known_packages()

@@ -298,7 +298,8 @@ def test_the_transform_that_a_bridge_takes_to_ros_is_the_one_of_the_twin(tmp_pat
 
 def test_a_joint_that_a_plugin_commands_has_its_motion_and_what_ros2_control_gives_it(tmp_path):
     control = """<ros2_control name="s" type="system">
-      <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware><joint name="left"><state_interface name="position"/></joint></ros2_control>"""
+      <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+      <joint name="left"><state_interface name="position"/></joint></ros2_control>"""
     wheels = WHEEL.format(name="left", y=0.2) + WHEEL.format(name="right", y=-0.2)
     (tmp_path / "cart.urdf").write_text(CART.format(wheels=wheels, more=control + DIFF_DRIVE.format(ros="")))
     joints = plan_robot(Robot("cart", str(tmp_path / "cart.urdf")), PackageIndex()).description.controlled_joints
