@@ -143,16 +143,3 @@ def test_a_quaternion_of_huge_numbers_is_one():
     twin = rovers(1).build()
     twin.entities.set_state("robot_1", orientation=[1e200, 0, 0, 1e200])
     assert twin.entities.state("robot_1").orientation == pytest.approx((0.5**0.5, 0, 0, 0.5**0.5))
-
-
-def test_a_link_that_floats_on_its_robot_moves_with_it(tmp_path):
-    """A floating joint of a URDF: the link has six degrees of freedom, and no place of its own in the world."""
-    inertial = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    links = f'<link name="base">{inertial}</link><link name="kite">{inertial}</link>'
-    joint = '<joint name="j" type="floating"><parent link="base"/><child link="kite"/></joint>'
-    (tmp_path / "it.urdf").write_text(f'<robot name="it">{links}{joint}</robot>')
-    twin = TwinBuilder(world=World(gravity=(0, 0, 0), ground=False)).robot("it", tmp_path / "it.urdf").build()
-    twin.entities.set_state("it", position=(1, 2, 3), orientation=(np.sqrt(0.5), 0, 0, np.sqrt(0.5)), linear=(1, 0, 0))
-    assert twin.entities.state("it").position == pytest.approx((1, 2, 3))
-    assert twin.entities.state("it::kite").position == pytest.approx((1, 2, 3))
-    assert twin.entities.state("it::kite").linear == pytest.approx((1, 0, 0))
