@@ -213,6 +213,7 @@ def related_tests(file: str) -> list[str]:
     tree = ast.parse((ROOT / PACKAGE / module).read_text(encoding="utf-8"))
     kinds = (ast.ClassDef, ast.FunctionDef)
     names = [node.name for node in tree.body if isinstance(node, kinds) and not node.name.startswith("_")]
+    names = [name for name in names if name != "main"]  # every program has one
     dotted = ".".join((PACKAGE, *module.with_suffix("").parts))
     word = re.compile(rf"\b({'|'.join([re.escape(dotted), *names])})\b")
     users = _users(module, dotted) if room else set()

@@ -1,3 +1,4 @@
+import re
 import signal
 import subprocess
 import sys
@@ -129,3 +130,19 @@ def test_without_matplotlib_the_program_says_how_to_get_it_before_the_run(tmp_pa
 def test_matplotlib_is_imported_only_for_a_plot():
     program = "import sys; from drake_twin.run import main; main(sys.argv[1:]); assert 'matplotlib' not in sys.modules"
     subprocess.run([sys.executable, "-c", program, "--headless", "--duration", "0.01"], check=True)
+
+
+def test_names_stand_between_a_robots_title_and_its_first_axes_and_all_within_the_picture(tmp_path):
+    write_plot(run_of({"rover": robot(["tilt", "pan"])}), tmp_path / "run.svg")
+    root = ET.parse(tmp_path / "run.svg").getroot()
+    _, _, width, height = map(float, root.get("viewBox").split())
+    places = {}
+    for node in root.iter("{http://www.w3.org/2000/svg}text"):
+        moved = re.match(r"translate\(([-\d.]+) ([-\d.]+)\)", node.get("transform", ""))
+        x, y = map(float, moved.groups() if moved else (node.get("x"), node.get("y")))
+        assert 0 <= x <= width
+        assert 0 <= y <= height
+        places["".join(node.itertext()).strip()] = y
+    assert places["tilt"] == places["pan"]
+    assert places["rover"] < places["tilt"] < places["position (rad)"]
+    assert places["position (rad)"] < places["velocity (rad/s)"] < places["effort (N·m)"] < places["simulated time (s)"]

@@ -6,7 +6,7 @@ import pytest
 from launch_files import not_started
 
 from drake_twin.cli.options import parser
-from drake_twin.cli.target import build_twin, find_launch_file, find_target
+from drake_twin.cli.target import build_twin, find_launch_file, find_target, target_name
 from drake_twin.description.package_index import share_folder
 from drake_twin.errors import InputError
 from drake_twin.scenario import Command, ScenarioError
@@ -169,3 +169,29 @@ def test_what_is_typed_in_vain_is_refused(tmp_path):
     with pytest.raises(InputError, match="nothing listens to '/nobody'") as caught:
         build_twin(target(ARM, "--pub", "/nobody", "[1]"))
     assert not isinstance(caught.value, ScenarioError)
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ((), "rover"),
+        (("--robot", "arm"), "arm"),
+        (("/a/b.launch.py", "x:=1"), "b"),
+        (("my_pkg", "main.launch.xml"), "main"),
+        (("/a/.hidden",), "twin"),
+        (("/a/b\tc.sdf",), "b_c"),
+    ],
+)
+def test_a_short_name_of_what_runs(words, name):
+    assert target_name(parser().parse_args([*words])) == name
+
+
+def test_a_world_without_robots_says_what_it_lacks_and_nothing_else(tmp_path):
+    (tmp_path / "w.sdf").write_text(
+        '<sdf version="1.9"><world name="w"><include><uri>model://nowhere_robot</uri></include>'
+        '<plugin name="p" filename="libunknown_thing.so"/></world></sdf>'
+    )
+    with pytest.raises(InputError, match="puts it around robots") as refused:
+        target(tmp_path / "w.sdf")
+    assert "nowhere_robot" in str(refused.value)
+    assert "unknown_thing" not in str(refused.value)

@@ -262,3 +262,14 @@ def test_a_node_that_waits_for_something_ends(tmp_path, executable):
     )
     assert [process.executable for process in launched.processes] == [executable, "spawner"]
     assert launched.unfired_handlers == ()
+
+
+def test_a_transitions_handler_asks_its_matcher(tmp_path):
+    """The matcher of launch_ros' OnStateTransition is asked besides the states."""
+    handlers = ", ".join(
+        f"RegisterEventHandler(OnStateTransition(matcher=lambda event: event.goal_state == {goal!r},"
+        f" entities=[LogInfo(msg={goal!r})]))"
+        for goal in ("inactive", "active", "finalized")
+    )
+    launched = launch_python(tmp_path, f"{handlers}, node(autostart=True)", LIFECYCLE)
+    assert launched.log == ("inactive", "active")

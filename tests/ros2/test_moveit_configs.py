@@ -77,3 +77,16 @@ def test_the_demo_starts_robot_frames_and_controllers(tmp_path):
         ("arm_controller",),
         ("joint_state_broadcaster",),
     ]
+
+
+def test_limits_of_the_pilz_planner_are_read_where_there_are_some(tmp_path):
+    package = moveit_package(tmp_path)
+    limits = "config/pilz_cartesian_limits.yaml"
+    nodes = "Node(package='p', executable='e', parameters=[configs.to_dict()])"
+    found = {}
+    for there in (False, True):
+        if there:
+            write(package / limits, "cartesian_limits: {max_trans_vel: 1.5}")
+        (process,) = built(tmp_path, "MoveItConfigsBuilder('arm').pilz_cartesian_limits().to_moveit_configs()", nodes)
+        found[there] = process.parameters[0].get("robot_description_planning.cartesian_limits.max_trans_vel")
+    assert found == {False: None, True: 1.5}

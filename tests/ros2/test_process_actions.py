@@ -1,5 +1,7 @@
 import pytest
-from launch_files import launch_python
+from launch_files import launch_python, launch_xml
+
+from drake_twin.errors import InputError
 
 
 def process(folder, arguments, **more):
@@ -26,26 +28,20 @@ def test_a_shell_command_is_split_into_words(tmp_path):
     assert started.arguments[-2:] == ("{data: [1, 2]}", "--once")
 
 
-@pytest.mark.parametrize(
-    ("command", "ends"),
-    [
-        ("ros2 control load_controller --set-state active jsb", True),
-        ("ros2 topic pub --once /x std_msgs/msg/Empty", True),
-        ("ros2 topic pub -r 10 /x std_msgs/msg/Empty", False),
-        ("ros2 topic echo /x", False),
-        ("ros2 service call /x std_srvs/srv/Empty", True),
-        ("ros2 run gazebo_ros spawn_entity.py -entity r", True),
-        ("ros2 run rviz2 rviz2", False),
-        ("gz sim -r empty.sdf", False),
-        ("gz service -s /world/empty/create", True),
-        ("gzserver x.world", False),
-        ("bash -c 'sleep 5; echo done'", True),
-        ("rviz2", False),
-        ("/usr/bin/echo hello", True),
-    ],
-)
-def test_which_commands_do_their_work_and_end(tmp_path, command, ends):
-    assert process(tmp_path, f'cmd=["{command}"], shell=True').ends is ends
+def test_a_command_that_does_its_work_ends_and_another_keeps_running(tmp_path):
+    assert process(tmp_path, 'cmd=["ros2 service call /x std_srvs/srv/Empty"], shell=True').ends
+    assert not process(tmp_path, 'cmd=["rviz2"], shell=True').ends
+
+
+def test_how_a_process_is_watched_changes_nothing_and_is_no_finding(tmp_path):
+    options = {"respawn": "true", "respawn_delay": "2.0", "respawn_max_retries": "3", "emulate_tty": "true"}
+    options |= {"sigterm_timeout": "5", "sigkill_timeout": "5", "log_cmd": "false", "cached_output": "true"}
+    text = " ".join(f'{name}="{value}"' for name, value in options.items())
+    launched = launch_xml(tmp_path, f'<executable cmd="echo a" {text}/>')
+    assert [item.arguments for item in launched.processes] == [("a",)]
+    assert launched.refused_by_ros == ()
+    with pytest.raises(InputError, match="twice"):
+        launch_xml(tmp_path, '<executable cmd="echo a" twice="true"/>')
 
 
 def test_a_command_as_one_text_is_taken_letter_by_letter(tmp_path):

@@ -28,8 +28,8 @@ def sick(history, messages):
         time.sleep(1000)
     if which == 3:
         ctypes.string_at(0)
-    if which == 4:
-        os._exit(7)
+    if which in (4, 6):
+        os._exit(7 if which == 4 else 0)
     return which
 
 

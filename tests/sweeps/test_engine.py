@@ -96,13 +96,13 @@ def test_the_program_starts_its_processes_before_it_imports_drake():
 def test_what_raises_hangs_or_crashes_is_a_row_with_its_reason_and_stops_nothing(tmp_path):
     one = sweep(
         tmp_path,
-        "hinge.hinge.position=0,1,2,3,4,5",
+        "hinge.hinge.position=0,1,2,3,4,5,6",
         metrics=(f"{write_sweep(tmp_path)}/metrics.py:sick",),
         duration=0.02,
     )
     rows = rows_of(one, 2, timeout=8.0)
     assert {number: row["outcome"] for number, row in rows.items()} == {0: "done"} | {5: "done"} | dict.fromkeys(
-        (1, 2, 3, 4), "error"
+        (1, 2, 3, 4, 6), "error"
     )
     assert rows[0]["sick"] == 0
     assert rows[5]["sick"] == 5
@@ -111,6 +111,7 @@ def test_what_raises_hangs_or_crashes_is_a_row_with_its_reason_and_stops_nothing
     assert rows[2]["reason"] == "no result within 8 s (in 2 tries)"
     assert rows[3]["reason"] == "its process ended by SIGSEGV (in 2 tries)"
     assert rows[4]["reason"] == "its process ended with exit code 7 (in 2 tries)"
+    assert rows[6]["reason"] == "its process ended with exit code 0 (in 2 tries)"
     assert rows[3]["state_sha256"] == ""
 
 

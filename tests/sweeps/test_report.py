@@ -1,10 +1,12 @@
 """What a table says in text, and the figure of pairs: which values stand against which, and what colors them."""
 
+from itertools import pairwise
+
 import pytest
 from matplotlib.figure import Figure
 
 from drake_twin.errors import InputError
-from drake_twin.sweeps.report import draw_pairs, report
+from drake_twin.sweeps.report import draw, draw_pairs, report
 
 VARY = [["friction", [0.2, 0.4]], ["payload", [1, 2]], ["gain", [5, 6]]]
 ROWS = [
@@ -74,3 +76,32 @@ def test_the_report_has_the_most_frequent_the_least_and_the_most_telling_first()
         "error in 2 rows: often",
         "error in 1 rows: rare",
     ]
+
+
+def drawn(folder, monkeypatch, pairs):
+    """What `draw` makes of values and metrics: the dots, and the line of medians."""
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, file: figures.append(self))
+    rows = [{"episode": number, "x": float(x), "y": float(y)} for number, (x, y) in enumerate(pairs)]
+    draw(folder / "plot.png", {"vary": [["x", sorted({x for x, _ in pairs})]]}, rows)
+    (axis,) = figures[0].axes
+    dots, line = axis.get_lines()
+    return dots.get_xydata().tolist(), line.get_xydata().tolist()
+
+
+def test_the_line_goes_through_the_median_of_each_value(tmp_path, monkeypatch):
+    pairs = [(1, 10), (1, 30), (1, 20), (2, 5), (2, 7), (4, -1)]
+    dots, line = drawn(tmp_path, monkeypatch, pairs)
+    assert dots == [list(pair) for pair in pairs]
+    assert line == [[1, 20], [2, 6], [4, -1]]
+
+
+def test_many_values_are_in_bins_of_as_many_rows(tmp_path, monkeypatch):
+    dots, line = drawn(tmp_path, monkeypatch, [(x, 2 * x) for x in range(120)])
+    assert len(dots) == 120
+    assert 5 <= len(line) <= 30
+    assert [y for _, y in line] == [2 * x for x, _ in line]
+    steps = {round(after[0] - before[0]) for before, after in pairwise(line)}
+    assert max(steps) - min(steps) <= 1
+    assert line[0][0] < steps.pop()
+    assert line[-1][0] > 119 - 120 / len(line)

@@ -230,6 +230,14 @@ def test_parameters(tool, twin):
     code, _, err = tool(param, "set", node, "update_rate", 50)
     assert code == 1
     assert err.startswith("Setting parameter failed: ")
+    for value in (
+        "[50]",
+        "[]",
+        "[50, a]",
+        "fifty",
+    ):  # of other types: a list of one, of none and of several types, text
+        code, _, err = tool(param, "set", node, "update_rate", value)
+        assert (code, err.partition(": ")[0]) == (1, "Setting parameter failed"), value
 
 
 def test_a_transform_is_the_base_pose(tool, twin):

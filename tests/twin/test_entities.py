@@ -192,3 +192,26 @@ def test_a_copy_of_a_model_that_the_file_lacks_is_refused(tmp_path):
         changed = text.replace("world:\n", f"world:\n  model_copies: {copies}\n")
         with pytest.raises(InputError, match=what):
             Twin(ScenarioFile(changed, "copied.yaml").scenario)
+
+
+def test_values_of_the_plant_are_set_at_once_and_taken_back_at_the_start(twin):
+    instance = twin.built.robots["rover"].instance
+    body = twin.plant.GetBodyByName("rover_base_link", instance)
+    context = twin.plant.GetMyContextFromRoot(twin.context)
+    masses = [body.get_mass(context)]
+    twin.entities.set_values({"rover.payload": 2.5})
+    masses.append(body.get_mass(context))
+    twin.reset()
+    masses.append(body.get_mass(context))
+    assert masses == pytest.approx([masses[0], masses[0] + 2.5, masses[0]])
+
+
+def test_a_force_that_throws_a_model_through_a_wall_in_one_step_is_said(twin, caplog):
+    """That is more than half of the crate, which has 2 kg and 0.4 m: f / m · h² > 0.2 m."""
+    step = twin.scenario.time_step
+    twin.entities.apply_wrench("crate", force=(0.199 * 2 / step**2, 0, 0), duration=step)
+    assert not caplog.records
+    twin.entities.apply_wrench("crate", force=(0.201 * 2 / step**2, 0, 0), duration=step)
+    (record,) = caplog.records
+    assert record.getMessage().startswith("crate: ")
+    assert f"N move 2 kg by 201 mm in a step of {1e3 * step:g} ms" in record.getMessage()

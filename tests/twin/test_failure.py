@@ -10,6 +10,7 @@ from drake_twin import TwinBuilder
 from drake_twin.errors import RunError
 from drake_twin.run import main
 from drake_twin.scenario.scenario_file import scenario_to_yaml
+from drake_twin.twin.failure import failure
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.replay import replay
 from drake_twin.twin.snapshot import Snapshot
@@ -182,3 +183,13 @@ def test_the_programs_files_are_those_of_the_last_good_state(chains, tmp_path, c
     assert twin.state_sha256() == summary["state_sha256"]
     twin.restore(Snapshot.load(options["save-state"]))
     assert twin.state_sha256() == summary["state_sha256"]
+
+
+def test_a_robot_at_rest_is_not_suspected():
+    twin = rovers(2).build()
+    context = twin.plant.GetMyContextFromRoot(twin.context)
+    said = "the simulation failed after 1.5 s: Drake says so"
+    assert str(failure(twin.built, context, 1.5, RuntimeError("Drake\n  says so."))) == said
+    (body,) = {name for name in twin.built.plans[1].description.links if "base" in name}
+    named = str(failure(twin.built, context, 1.5, RuntimeError(f"body {body} is bad")))
+    assert named.endswith(f"body {body} is bad. That is in robot 'robot_2'")

@@ -1,8 +1,12 @@
-"""The quality of service that a bag keeps of each topic, which ``ros2 bag play`` offers again."""
+"""Records become a bag, which keeps each topic's quality of service, as ``ros2 bag play`` offers it again."""
+
+import io
+import json
 
 import pytest
+from rosbags.highlevel import AnyReader
 
-from drake_twin.wires.bag_writer import _quality
+from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC, _quality, write_bag
 
 
 @pytest.mark.parametrize(("latched", "depth", "durability"), [(False, 10, "VOLATILE"), (True, 1, "TRANSIENT_LOCAL")])
@@ -16,3 +20,23 @@ def test_a_latched_topic_keeps_its_last_message_and_others_ten_for_who_listens(l
     }
     assert forever == {(2**31 - 1, 2**32 - 1)}  # DDS's Duration_t of infinity
     assert not quality.avoid_ros_namespace_conventions
+
+
+def record(kind, number, time, content):
+    return HEAD.pack(kind, number, time, len(content)) + content
+
+
+def test_records_are_a_bag_and_one_that_is_cut_off_is_left_out(tmp_path):
+    topic = {"name": "/chatter", "type": "std_msgs/msg/String", "definition": "string data\n", "latched": False}
+    topic["hash"] = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"  # of rosidl
+    said = [b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00", b"\x00\x01\x00\x00\x02\x00\x00\x00b\x00"]
+    stream = record(TOPIC, 7, 0, json.dumps(topic).encode())
+    stream += b"".join(record(MESSAGE, 7, time, data) for time, data in zip((10, 20), said, strict=True))
+    for name, rest in (("whole", b""), ("in_head", b"M"), ("in_content", record(MESSAGE, 7, 30, said[0])[:-1])):
+        write_bag(str(tmp_path / name), io.BytesIO(stream + rest))
+        assert (tmp_path / name / "metadata.yaml").is_file()
+        with AnyReader([tmp_path / name]) as reader:
+            found = [(item.topic, item.msgtype, time, bytes(data)) for item, time, data in reader.messages()]
+        assert found == [
+            ("/chatter", "std_msgs/msg/String", time, data) for time, data in zip((10, 20), said, strict=True)
+        ]

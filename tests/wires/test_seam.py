@@ -144,6 +144,26 @@ def test_a_spawn_brings_topics_and_a_delete_takes_them_off(wired):
     assert len(sent) == 9
 
 
+def test_what_was_heard_of_a_robot_that_is_gone_is_not_sent_when_its_like_comes(wired):
+    twin, wire, seam = wired
+    wire.hear("/robot_1/joint_states")
+    twin.advance_to(0.05)
+    twin.entities.delete("robot_1")
+    twin.advance_to(0.06)
+    seam.flush()
+    old = wire.senders.pop("/robot_1/joint_states")
+    count = len(old.sent)
+    assert old.is_closed
+    twin.entities.spawn(Robot("robot_1", ROVER, xyz=(3, 0, 0.13)))
+    twin.advance_to(0.07)
+    sent = wire.hear("/robot_1/joint_states")
+    twin.advance_to(0.2)
+    seam.flush()
+    assert count > 0
+    assert len(old.sent) == count
+    assert len(sent) > 0
+
+
 def test_a_command_that_publish_refuses_is_refused_in_the_same_words_and_logged_once(wired, caplog):
     twin, wire, _ = wired
     with pytest.raises(Exception, match="not a finite number") as refused:
