@@ -7,28 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from drake_twin.program import ArgumentParser
-from drake_twin.tools.verb import Verb, positive, run_verbs, yaml_values
+from drake_twin.tools.verb import Verb, listing, positive, run_verbs, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
-
-
-def _add_list(parser: ArgumentParser) -> None:
-    parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
-    parser.add_argument("-c", "--count-services", action="store_true", help="print only how many there are")
-    parser.add_argument("--include-hidden-services", action="store_true", help="list those of actions, too")
-
-
-def _list(client: "Client", options: argparse.Namespace) -> int:
-    services = {
-        name: kind for name, kind in client.services().items() if options.include_hidden_services or "/_" not in name
-    }
-    if options.count_services:
-        print(len(services))
-        return 0
-    for name, kind in services.items():
-        print(f"{name} [{kind}]" if options.show_types else name)
-    return 0
 
 
 def _add_call(parser: ArgumentParser) -> None:
@@ -58,7 +40,7 @@ def _call(client: "Client", options: argparse.Namespace) -> int:
 
 
 VERBS = {
-    "list": Verb("list the services", _add_list, _list),
+    "list": listing("services", lambda client: client.services()),
     "call": Verb("call a service and print its response", _add_call, _call),
 }
 

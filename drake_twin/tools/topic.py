@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser
-from drake_twin.tools.verb import Arrivals, Verb, positive, run_verbs, yaml_values
+from drake_twin.tools.verb import Arrivals, Verb, listing, positive, run_verbs, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
@@ -19,22 +19,6 @@ if TYPE_CHECKING:
 _PERIOD = 1.0  # s between two lines of `hz`
 _LONGEST = 128  # as `ros2 topic echo` cuts sequences and texts
 _POLL = 0.1  # s between two counts of the subscribers
-
-
-def _add_list(parser: ArgumentParser) -> None:
-    parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
-    parser.add_argument("-c", "--count-topics", action="store_true", help="print only how many there are")
-    parser.add_argument("--include-hidden-topics", action="store_true", help="list those of actions, too")
-
-
-def _list(client: "Client", options: argparse.Namespace) -> int:
-    topics = {name: kind for name, kind in client.topics().items() if options.include_hidden_topics or "/_" not in name}
-    if options.count_topics:
-        print(len(topics))
-        return 0
-    for name, kind in topics.items():
-        print(f"{name} [{kind}]" if options.show_types else name)
-    return 0
 
 
 def _add_info(parser: ArgumentParser) -> None:
@@ -212,7 +196,7 @@ def _pub(client: "Client", options: argparse.Namespace) -> int:
 
 
 VERBS = {
-    "list": Verb("list the topics", _add_list, _list),
+    "list": listing("topics", lambda client: client.topics()),
     "echo": Verb("print the messages of a topic; Ctrl-C ends it", _add_echo, _echo),
     "hz": Verb("print how often messages arrive, by the wall clock; Ctrl-C ends it", _add_hz, _hz),
     "info": Verb("print the type of a topic and who publishes and hears it", _add_info, _info),

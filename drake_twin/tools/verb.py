@@ -34,6 +34,35 @@ class Verb:
     run: "Callable[[Client, argparse.Namespace], int]"
 
 
+def listing(noun: str, known: "Callable[[Client], Mapping[str, str]]") -> Verb:
+    """Return the verb ``list``.
+
+    Args:
+        noun: What it lists, in the plural.
+        known: Returns what there is, each with its type.
+    """
+
+    def add_arguments(parser: ArgumentParser) -> None:
+        parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
+        parser.add_argument(
+            "-c", f"--count-{noun}", dest="count", action="store_true", help="print only how many there are"
+        )
+        parser.add_argument(
+            f"--include-hidden-{noun}", dest="hidden", action="store_true", help="list those of actions, too"
+        )
+
+    def run(client: "Client", options: "argparse.Namespace") -> int:
+        found = {name: kind for name, kind in known(client).items() if options.hidden or "/_" not in name}
+        if options.count:
+            print(len(found))
+            return 0
+        for name, kind in found.items():
+            print(f"{name} [{kind}]" if options.show_types else name)
+        return 0
+
+    return Verb(f"list the {noun}", add_arguments, run)
+
+
 def run_verbs(tool: str, verbs: Mapping[str, Verb], arguments: Sequence[str] | None) -> int:
     """Run the verb that the first argument names; see `drake_twin.program.run_program`."""
 
