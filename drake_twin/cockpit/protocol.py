@@ -223,7 +223,7 @@ def read_as(kinds: Mapping[str, Any], data: Any) -> Any:
         data: The data, which may be anything that JSON holds.
 
     Returns:
-        None if the data is no mapping, the name is unknown, a field is missing, unknown or of the wrong type, or a
+        None if the data is not a mapping, the name is unknown, a field is missing, unknown or of the wrong type, or a
         number is not finite.
     """
     kind = data.get("do") if isinstance(data, dict) else None
