@@ -22,8 +22,8 @@ def kinds_text() -> str:
 
 
 def _registries() -> Iterator[Registry[Any]]:
-    from drake_twin.cockpit.overlay import overlay_kinds
-    from drake_twin.cockpit.panel import panel_kinds
+    from drake_twin.cockpit.overlay import OVERLAY_KINDS
+    from drake_twin.cockpit.panel import PANEL_KINDS
     from drake_twin.controllers.registry import CONTROLLERS
     from drake_twin.description.gazebo_drive import GAZEBO_PLUGINS
     from drake_twin.description.repairs import REPAIRS
@@ -33,4 +33,4 @@ def _registries() -> Iterator[Registry[Any]]:
     from drake_twin.wires.registry import WIRES
 
     yield from (CONTROLLERS, SENSORS, GAZEBO_PLUGINS, REPAIRS, ACTIONS, SUBSTITUTIONS)
-    yield from (OF_TWIN, OF_ROBOT, WIRES, panel_kinds(), overlay_kinds())
+    yield from (OF_TWIN, OF_ROBOT, WIRES, PANEL_KINDS, OVERLAY_KINDS)

@@ -112,16 +112,11 @@ def _with_options(target: Target, options: argparse.Namespace, commands: tuple[C
     if options.world is not None:
         own_step = target.file is None and options.time_step is None
         scenario = _in_world(scenario, options.world, own_step=own_step)
-    if options.engine is not None:
-        scenario = replace(scenario, engine=options.engine)
-        if options.engine == CENIC and target.file is None:
-            scenario = replace(scenario, time_step=max(scenario.time_step, _GRID_OF_CENIC))
-    if options.accuracy is not None:
-        scenario = replace(scenario, accuracy=options.accuracy)
-    if options.time_step is not None:
-        scenario = replace(scenario, time_step=options.time_step)
-    if options.seed is not None:
-        scenario = replace(scenario, seed=options.seed)
+    if options.engine == CENIC and target.file is None:
+        scenario = replace(scenario, time_step=max(scenario.time_step, _GRID_OF_CENIC))
+    for name in ("engine", "accuracy", "time_step", "seed"):
+        if (value := getattr(options, name)) is not None:
+            scenario = replace(scenario, **{name: value})
     if options.no_sensor_noise:
         scenario = replace(scenario, sensor_noise=False)
     if options.node:

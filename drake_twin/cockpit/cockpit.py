@@ -13,8 +13,8 @@ from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.overlay import Overlay, overlay_kinds
-from drake_twin.cockpit.panel import Panel, panel_kinds
+from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
+from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
@@ -82,7 +82,7 @@ class Cockpit:
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
         self._panels: dict[str, Panel] = {}
-        for name, panel in panel_kinds().items():
+        for name, panel in PANEL_KINDS.items():
             self._panels[name] = panel.type(twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
@@ -310,7 +310,7 @@ class Cockpit:
         self._log.add("info", f"{robot}: switched: {', '.join(states)}")
 
     def _show(self, name: str, on: bool) -> None:
-        known = overlay_kinds()
+        known = OVERLAY_KINDS
         if name not in known:
             raise known.unknown(name)
         if on and name not in self._overlays:

@@ -62,25 +62,33 @@ def tap_transforms(twin: Twin, add: Callable[..., None]) -> Callable[[], None]:
     return tap(twin, _TRANSFORMS, topics.__contains__, lambda topic, item: add(item, is_static=topic == topics[1]))
 
 
-class HeardTopic:
-    """A topic that is listened to."""
+class _Heard:
+    """A topic that is listened to, until it ends."""
 
-    def __init__(self, twin: Twin, endpoint: Endpoint):
-        self.message: Any = None
-        self.time = 0.0
-        self.pending: dict[str, deque[tuple[float, float | None]]] = {}  # field → samples since the last snapshot
-        self.problems: dict[str, str] = {}  # field → why the last message has no number there
+    def __init__(self, twin: Twin):
         self._twin = twin
-        name, rate = endpoint.name, endpoint.rate
-        self._ends = [tap(twin, endpoint.type, name.__eq__, lambda _, message: self._note(message))]
-        if is_of_twin(twin, name):
-            seldom = rate / ceil(rate / _MOST_A_SECOND - 1e-9) if rate else None
-            self._ends.append(twin.subscribe(name, self._note, seldom))
+        self._ends: list[Callable[[], None]] = []
 
     def end(self) -> None:
         """Listen no longer."""
         for end in self._ends:
             end()
+
+
+class HeardTopic(_Heard):
+    """A topic that is listened to."""
+
+    def __init__(self, twin: Twin, endpoint: Endpoint):
+        super().__init__(twin)
+        self.message: Any = None
+        self.time = 0.0
+        self.pending: dict[str, deque[tuple[float, float | None]]] = {}  # field → samples since the last snapshot
+        self.problems: dict[str, str] = {}  # field → why the last message has no number there
+        name, rate = endpoint.name, endpoint.rate
+        self._ends = [tap(twin, endpoint.type, name.__eq__, lambda _, message: self._note(message))]
+        if is_of_twin(twin, name):
+            seldom = rate / ceil(rate / _MOST_A_SECOND - 1e-9) if rate else None
+            self._ends.append(twin.subscribe(name, self._note, seldom))
 
     def plot(self, fields: set[str]) -> None:
         """Take samples of these fields from now on, and of no others."""
@@ -99,20 +107,15 @@ class HeardTopic:
             samples.append((round(self.time, 6), round(value, 9) if isfinite(value) else None))
 
 
-class TopicRate:
+class TopicRate(_Heard):
     """The measured rate of a topic whose messages are shown; no message is made for it."""
 
     def __init__(self, twin: Twin, endpoint: Endpoint):
-        self._twin = twin
+        super().__init__(twin)
         self._times: deque[float] = deque(maxlen=_MEASURED)
         self._ends = [tap(twin, endpoint.type, endpoint.name.__eq__, self._note)]
         if is_of_twin(twin, endpoint.name):
             self._ends.append(twin.graph.subscribe_drafts(endpoint.name, self._note))
-
-    def end(self) -> None:
-        """Listen no longer."""
-        for end in self._ends:
-            end()
 
     def _note(self, *_: object) -> None:
         if self._times and self._twin.time <= self._times[-1]:  # after a jump back in time

@@ -44,7 +44,8 @@ class OverlayKind:
     type: type[Overlay]
 
 
-KINDS: PageRegistry[OverlayKind] = PageRegistry(
+# The registered ones by name; those of other packages are found when they are asked for.
+OVERLAY_KINDS: PageRegistry[OverlayKind] = PageRegistry(
     "overlay", "drake_twin.cockpit.overlays", ["frames", "contact_forces", "collision_shapes"]
 )
 
@@ -64,12 +65,7 @@ def overlay(name: str, label: str, hint: str = "") -> Callable[[_T], _T]:
     """
 
     def register_type(kind: _T) -> _T:
-        KINDS.add(name, OverlayKind(name, label, hint, kind), kind)
+        OVERLAY_KINDS.add(name, OverlayKind(name, label, hint, kind), kind)
         return kind
 
     return register_type
-
-
-def overlay_kinds() -> PageRegistry[OverlayKind]:
-    """Return the registered overlays by name, those of other packages included."""
-    return KINDS

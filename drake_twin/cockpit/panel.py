@@ -46,7 +46,8 @@ class PanelKind:
     type: type[Panel]
 
 
-KINDS: PageRegistry[PanelKind] = PageRegistry("panel", "drake_twin.cockpit", ["world_panel"])
+# The registered ones by name; those of other packages are found when they are asked for.
+PANEL_KINDS: PageRegistry[PanelKind] = PageRegistry("panel", "drake_twin.cockpit", ["world_panel"])
 
 
 def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
@@ -67,12 +68,7 @@ def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
     def register_type(kind: _T) -> _T:
         is_text = isinstance(script, str) and "\n" in script
         text = str(script).encode() if is_text else Path(script).read_bytes()
-        KINDS.add(name, PanelKind(name, text, kind), kind)
+        PANEL_KINDS.add(name, PanelKind(name, text, kind), kind)
         return kind
 
     return register_type
-
-
-def panel_kinds() -> PageRegistry[PanelKind]:
-    """Return the registered panels by name, those of other packages included."""
-    return KINDS

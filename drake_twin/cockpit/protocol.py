@@ -209,25 +209,24 @@ def parse(text: str) -> Request | None:
         data = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    if not isinstance(data, dict):
-        return None
     request: Request | None = read_as(_KINDS, data)
     if isinstance(request, Step) and not 1 <= request.count <= _MOST_STEPS:
         return None
     return request
 
 
-def read_as(kinds: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
+def read_as(kinds: Mapping[str, Any], data: Any) -> Any:
     """Return plain data, such as ``{"do": "Step", "count": 1}``, as the dataclass that ``do`` names.
 
     Args:
         kinds: Name → dataclass.
-        data: The data.
+        data: The data, which may be anything that JSON holds.
 
     Returns:
-        None if the name is unknown, a field is missing, unknown or of the wrong type, or a number is not finite.
+        None if the data is not a mapping, the name is unknown, a field is missing, unknown or of the wrong type, or a
+        number is not finite.
     """
-    kind = data.get("do")
+    kind = data.get("do") if isinstance(data, dict) else None
     if not isinstance(kind, str) or kind not in kinds:
         return None
     try:

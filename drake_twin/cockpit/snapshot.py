@@ -5,8 +5,8 @@ from dataclasses import asdict
 from typing import Any
 
 from drake_twin.cockpit.joint_commands import JointCommands, joint_slider
-from drake_twin.cockpit.overlay import overlay_kinds
-from drake_twin.cockpit.panel import panel_kinds
+from drake_twin.cockpit.overlay import OVERLAY_KINDS
+from drake_twin.cockpit.panel import PANEL_KINDS
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.twin.twin import Twin
 
@@ -24,8 +24,8 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
     """
     return {
         "display_only": only_displayed,
-        "overlays": [{"name": kind.name, "label": kind.label, "hint": kind.hint} for kind in overlay_kinds().values()],
-        "panels": list(panel_kinds()),
+        "overlays": [{"name": kind.name, "label": kind.label, "hint": kind.hint} for kind in OVERLAY_KINDS.values()],
+        "panels": list(PANEL_KINDS),
         "robots": [
             {
                 "name": plan.name,

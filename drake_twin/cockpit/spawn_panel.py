@@ -125,7 +125,7 @@ class SpawnPanel:
         Raises:
             InputError: If the request is not one.
         """
-        request = read_as(_REQUESTS, data) if isinstance(data, dict) else None
+        request = read_as(_REQUESTS, data)
         match request:
             case Look(file):
                 self._look(file)

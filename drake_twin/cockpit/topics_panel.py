@@ -35,6 +35,7 @@ _MOST_ROWS = 300
 _BATCHES = 4  # snapshots that samples are sent with: a slow browser skips some
 _FRAMES_EVERY = 4  # snapshots
 _TRANSFORMS = "tf2_msgs/msg/TFMessage"
+_LISTED = ("kind", "name", "type", "rate", "latched", "robot", "controller")  # of an endpoint
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ class TopicsPanel:
         Raises:
             InputError: If the request is not one, or the twin refuses a message without a key.
         """
-        request = read_as(_REQUESTS, data) if isinstance(data, dict) else None
+        request = read_as(_REQUESTS, data)
         match request:
             case Look():
                 self._keep(request, _MOST_LOOKS)
@@ -215,18 +216,7 @@ class TopicsPanel:
     def _listing(self) -> list[dict[str, Any]]:
         kinds = (PUBLISHED, COMMANDED, ACTION)
         ordered = sorted(self._endpoints, key=lambda item: (item.name, kinds.index(item.kind)))
-        return [
-            {
-                "kind": item.kind,
-                "name": item.name,
-                "type": item.type,
-                "rate": item.rate,
-                "latched": item.latched,
-                "robot": item.robot,
-                "controller": item.controller,
-            }
-            for item in ordered
-        ]
+        return [{field: getattr(item, field) for field in _LISTED} for item in ordered]
 
     def _next_batches(self) -> list[dict[str, Any]]:
         """Return the samples of the last snapshots, newest last, each with a number that counts them."""

@@ -129,7 +129,7 @@ class WorldPanel:
         Raises:
             InputError: If the request is not one, or the twin refuses it.
         """
-        request = read_as(_REQUESTS, data) if isinstance(data, dict) else None
+        request = read_as(_REQUESTS, data)
         match request:
             case Look():
                 self._looks = {look: left for look, left in self._looks.items() if look != request}

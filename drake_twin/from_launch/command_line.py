@@ -60,8 +60,7 @@ class CommandLine:
 
     def error(self, message: str) -> InputError:
         """Return an error at the place where the process was launched."""
-        place = self.process.place
-        return InputError(message, file=place.file, line=place.line)
+        return self.process.error(message)
 
 
 def command_line(

@@ -237,44 +237,27 @@ def _of_command(process: LaunchedProcess, verb: str, words: list[str]) -> list[C
     lists = [f"{verb}{rest}" for verb in ("activate", "deactivate", "start", "stop") for rest in ("", "-controllers")]
     line = command_line(process, words, flags=_COMMAND_FLAGS, lists=lists)
     manager, names = _manager(line, process), line.words[:1]
+
+    def requests(names: Iterable[str], state: str, **more: Any) -> list[ControllerRequest]:
+        return [ControllerRequest(name, manager, state, process, **more) for name in names]
+
+    def after(*options: str) -> Iterator[str]:
+        for option in options:
+            yield from (*line.options.get(option, ()), *line.options.get(f"{option}-controllers", ()))
+
     if verb == "load_controller":
         wanted = line.text("set-state", "state")
         state = UNCONFIGURED if wanted is None else _state(wanted)
-        return list(_requests(process, names, manager, state, files=line.words[1:2]))
+        return requests(names, state, parameter_files=line.words[1:2])
     if verb in ("load_start_controller", "load_configure_controller"):  # ROS 2 Foxy's
-        return list(_requests(process, names, manager, ACTIVE if verb == "load_start_controller" else INACTIVE))
+        return requests(names, ACTIVE if verb == "load_start_controller" else INACTIVE)
     if verb == "set_controller_state" and len(line.words) >= 2:
-        return list(_requests(process, names, manager, _state(line.words[1])))
+        return requests(names, _state(line.words[1]))
     if verb in ("switch_controllers", "switch_controller"):
-        started, stopped = (
-            [
-                name
-                for option in options
-                for rest in ("", "-controllers")
-                for name in line.options.get(option + rest, ())
-            ]
-            for options in (("activate", "start"), ("deactivate", "stop"))
-        )
-        return [
-            *_requests(process, stopped, manager, INACTIVE),
-            *_requests(process, started, manager, ACTIVE),
-        ]
+        return requests(after("deactivate", "stop"), INACTIVE) + requests(after("activate", "start"), ACTIVE)
     if verb == "unload_controller":
-        return list(_requests(process, names, manager, INACTIVE, unload=True))
+        return requests(names, INACTIVE, unload=True)
     return None
-
-
-def _requests(
-    process: LaunchedProcess,
-    names: Iterable[str],
-    manager: str,
-    state: str,
-    *,
-    unload: bool = False,
-    files: tuple[str, ...] = (),
-) -> Iterator[ControllerRequest]:
-    for name in names:
-        yield ControllerRequest(name, manager, state, process, unload, files)
 
 
 def _state(word: str) -> str:
@@ -290,8 +273,7 @@ def _manager(line: CommandLine, process: LaunchedProcess) -> str:
 
 def check_parameter_files(request: ControllerRequest) -> InputError | None:
     """Return the error of the first missing parameters file; None if all exist."""
-    place = request.process.place
     for file in request.parameter_files:
         if not Path(file).is_file():
-            return InputError(f"the parameters file {file} does not exist", file=place.file, line=place.line)
+            return request.process.error(f"the parameters file {file} does not exist")
     return None

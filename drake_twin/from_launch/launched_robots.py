@@ -1,12 +1,10 @@
 """The robots that a launch file starts: their descriptions, poses and controller managers."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
 from typing import Any
-
-from lxml import etree
 
 from drake_twin.description.gazebo_plugins import is_ros2_control, read_plugins
 from drake_twin.description.included_model import included_model
@@ -202,7 +200,7 @@ class LaunchedRobots:
             )
 
     def _displayed(self, process: LaunchedProcess) -> None:
-        source = self._text_source(_description_of(process, self._packages), process.namespace)
+        source = self._text_source(_description_of(process))
         if any((robot.model, robot.namespace) == (source.model, process.namespace) for robot in self.robots):
             return  # a duplicate
         name = process.namespace.strip("/").replace("/", "_") or source.name
@@ -248,14 +246,13 @@ class LaunchedRobots:
         """Return an entity's description, and the robot_state_publisher that publishes it, if any."""
         file, text, topic, parameter = (line.text(name) for name in ("file", "string", "topic", "param"))
         if file is not None:
-            source = self._file_source(file, process)
-            return self._with_controlled_description(source, process)
+            return self._with_controlled_description(self._file_source(file, process), process)
         if text is not None:
-            return self._text_source(text, ""), None
+            return self._text_source(text), None
         if parameter is not None:
             given = parameters(process).get(parameter)
             if isinstance(given, str) and given.strip():
-                return self._text_source(given, ""), None
+                return self._text_source(given), None
             raise line.error(f"-param {parameter}: the node does not have this parameter")
         if topic is None:
             raise line.error("one of -topic, -file, -string and -param is needed")
@@ -267,20 +264,14 @@ class LaunchedRobots:
         full = process.resolve(topic)
         for publisher in self._publishers:
             if publisher.resolve("robot_description") == full:
-                return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+                return self._text_source(_description_of(publisher)), publisher
         if len(self._publishers) == 1:
             (publisher,) = self._publishers
             there = publisher.resolve("robot_description")
             self.warnings.append(f"{process.what} waits for {full}; the description on {there} is used instead")
-            return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+            return self._text_source(_description_of(publisher)), publisher
         topics = [publisher.resolve("robot_description") for publisher in self._publishers]
-        raise InputError(
-            f"no node publishes a description on {full}",
-            file=process.place.file,
-            line=process.place.line,
-            value=full,
-            valid=topics or None,
-        )
+        raise process.error(f"no node publishes a description on {full}", value=full, valid=topics or None)
 
     def _with_controlled_description(
         self, source: _Source, process: LaunchedProcess
@@ -297,7 +288,7 @@ class LaunchedRobots:
                     f"{process.what}: {Path(source.model).name} has no <ros2_control>: the robot of"
                     f" {publisher.full_name} replaces it"
                 )
-                return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+                return self._text_source(_description_of(publisher)), publisher
         return source, None
 
     def _described(self, process: LaunchedProcess) -> tuple[_Source, LaunchedProcess | None]:
@@ -309,14 +300,10 @@ class LaunchedRobots:
             self._publishers[0] if len(self._publishers) == 1 else None,
         )
         if isinstance(given, str) and given.strip():
-            return self._text_source(given, process.namespace), publisher
+            return self._text_source(given), publisher
         if publisher is None:
-            raise InputError(
-                "it has no robot_description, and no node publishes one",
-                file=process.place.file,
-                line=process.place.line,
-            )
-        return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+            raise process.error("it has no robot_description, and no node publishes one")
+        return self._text_source(_description_of(publisher)), publisher
 
     def _drop(self, what: str, process: LaunchedProcess, weight: Weight = Weight.LOST) -> None:
         self.findings.append(Finding.at(Kind.NOT_STARTED, what, process.place, weight=weight))
@@ -325,7 +312,7 @@ class LaunchedRobots:
         text, path = spawned_file(file, process, self._packages)
         return _read(str(path), *included_model(text, path, self._packages)[:2])
 
-    def _text_source(self, text: str, what: str) -> _Source:
+    def _text_source(self, text: str) -> _Source:
         """Return a description's text as a file of the cache, at the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_file(f"robot.{suffix}", text)
@@ -348,7 +335,7 @@ def parameter_file(item: Path | ParameterText) -> str:
     return str(item)
 
 
-def _description_of(publisher: LaunchedProcess, packages: PackageIndex) -> str:
+def _description_of(publisher: LaunchedProcess) -> str:
     """Return the text that a robot_state_publisher publishes: its parameter, or the file on its command line."""
     given = parameters(publisher).get("robot_description")
     if isinstance(given, str) and given.strip():
@@ -357,7 +344,7 @@ def _description_of(publisher: LaunchedProcess, packages: PackageIndex) -> str:
         path = Path(word)
         if path.suffix in (".urdf", ".sdf", ".xml") and path.is_file():
             return read_xml(path, "robot file")
-    raise InputError("it has no robot_description", file=publisher.place.file, line=publisher.place.line)
+    raise publisher.error("it has no robot_description")
 
 
 def _read(model: str, text: str, path: Path) -> _Source:
@@ -373,7 +360,7 @@ def _read(model: str, text: str, path: Path) -> _Source:
         plugins=tuple(read_plugins(reader, "model/plugin" if is_sdf else "gazebo/plugin")),
         links=frozenset(str(link.get("name", "")) for link in links),
         name=name or "robot",
-        has_hardware=_has(root, ("ros2_control", "model/ros2_control")),
+        has_hardware=any(root.find(path) is not None for path in ("ros2_control", "model/ros2_control")),
         self_collides=is_true(root.findtext("model/self_collide")),
         has_colliding_links=any(
             is_true(flag.get("value") or flag.text)
@@ -381,10 +368,6 @@ def _read(model: str, text: str, path: Path) -> _Source:
             if flag.getparent() is not named
         ),
     )
-
-
-def _has(root: etree._Element, paths: Iterable[str]) -> bool:
-    return any(root.find(path) is not None for path in paths)
 
 
 def _element(plugin: GazeboPlugin, *names: str) -> str:

@@ -26,7 +26,7 @@ def spawned_file(file: str, process: LaunchedProcess, packages: PackageIndex) ->
         InputError: If the file does not exist or cannot be read.
     """
     is_remote = file.startswith(("http://", "https://"))
-    problem = InputError(f"{file}: files are not downloaded", file=process.place.file, line=process.place.line)
+    problem = process.error(f"{file}: files are not downloaded")
     if not is_remote:
         try:
             path = packages.resolve(file, process.place.file)

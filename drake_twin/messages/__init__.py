@@ -77,14 +77,17 @@ def __getattr__(name: str) -> Any:
 
 def time_message(seconds: float) -> Any:
     """Return a simulation time (s) as a ``builtin_interfaces/msg/Time``, rounded to the nearest nanosecond."""
-    nanoseconds = round(seconds * 1e9)
-    return _message("Time")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+    return _message("Time")(**_sec_and_nanosec(seconds))
 
 
 def duration_message(seconds: float) -> Any:
     """Return a time span (s) as a ``builtin_interfaces/msg/Duration``, rounded to the nearest nanosecond."""
-    nanoseconds = round(seconds * 1e9)
-    return _message("Duration")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+    return _message("Duration")(**_sec_and_nanosec(seconds))
+
+
+def _sec_and_nanosec(seconds: float) -> dict[str, int]:
+    sec, nanosec = divmod(round(seconds * 1e9), 1_000_000_000)
+    return {"sec": sec, "nanosec": nanosec}
 
 
 def header(seconds: float, frame_id: str = "") -> Any:
@@ -143,8 +146,7 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
     if is_time and isinstance(data, int | float) and not isinstance(data, bool):
         if not isfinite(data):
             raise ValueError(f"{path[:-1]}: {data!r} is not a time (s)")
-        nanoseconds = round(data * 1e9)
-        data = {"sec": nanoseconds // 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000}
+        data = _sec_and_nanosec(data)
     _, fields = store.fielddefs[kind]
     names = [name for name, _ in fields if name != EMPTY]
     place = f"{path[:-1]}: " if path else ""

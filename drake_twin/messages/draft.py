@@ -90,15 +90,10 @@ class Drafter:
         return layout if is_right else None
 
 
-class _NumbersDraft:
+class _NumbersDraft(LaterDraft):
     def __init__(self, drafter: Drafter, time: float, values: np.ndarray):
+        super().__init__(lambda: drafter.make(time, drafter.numbers(values)))
         self._drafter, self._time, self._values = drafter, time, values
-        self._message: Any = None
-
-    def message(self) -> Any:
-        if self._message is None:
-            self._message = self._drafter.make(self._time, self._drafter.numbers(self._values))
-        return self._message
 
     def serialized(self) -> bytes | None:
         return self._drafter.serialized(self._time, self._drafter.numbers(self._values))

@@ -1,7 +1,6 @@
 """The actions that node programs share with each other and with the twin."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
@@ -58,12 +57,6 @@ class ActionOffer(Protocol):
         """Return the status of a goal; `UNKNOWN` if it is not kept."""
 
 
-@dataclass
-class _TwinGoal:
-    goal: ActionGoal
-    listener: GoalListener
-
-
 class ActionGraph:
     """The actions.
 
@@ -74,7 +67,7 @@ class ActionGraph:
     def __init__(self, graph: Graph):
         self._graph = graph
         self.offers: dict[str, ActionOffer] = {}
-        self._goals: dict[bytes, _TwinGoal] = {}
+        self._goals: dict[bytes, tuple[ActionGoal, GoalListener]] = {}
 
     def post(self, act: Callable[[], None]) -> None:
         """Let something happen in a later slot."""
@@ -130,7 +123,7 @@ class ActionGraph:
             self._graph.log(name, str(error))
             self._graph.post(partial(listener.answered, False))
             return
-        self._goals[key] = _TwinGoal(started, listener)
+        self._goals[key] = started, listener
         self._graph.post(partial(listener.answered, True))
         self._graph.post(partial(self._feed_back, key), _FEEDBACK_PERIOD)
 
@@ -138,12 +131,13 @@ class ActionGraph:
         known = self._goals.get(key)
         if known is None:
             return
-        if known.goal.is_done:  # it was dropped by a reset, which calls nobody back
+        goal, listener = known
+        if goal.is_done:  # it was dropped by a reset, which calls nobody back
             self._goals.pop(key, None)
-            known.listener.ended(_STATUSES[known.goal.status], known.goal.result)
+            listener.ended(_STATUSES[goal.status], goal.result)
             return
-        if (feedback := known.goal.feedback) is not None:
-            known.listener.heard(feedback)
+        if (feedback := goal.feedback) is not None:
+            listener.heard(feedback)
         self._graph.post(partial(self._feed_back, key), _FEEDBACK_PERIOD)
 
     def _cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
@@ -151,5 +145,5 @@ class ActionGraph:
         if known is None:
             self._graph.post(partial(answered, UNKNOWN_GOAL))
             return
-        known.goal.cancel()
+        known[0].cancel()
         self._graph.post(partial(answered, NO_ERROR))

@@ -14,7 +14,7 @@ from typing import Any
 from drake_twin.errors import TwinError
 from drake_twin.messages.interface_types import make_response
 from drake_twin.nodes.graph_items import Offer, Publication, Reception
-from drake_twin.nodes.interfaces import to_wire
+from drake_twin.nodes.message_classes import to_wire
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.turns import Turns
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
@@ -242,15 +242,11 @@ class Graph:
 
     def publishers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each publisher of a topic."""
-        item = self._published.get(topic)
-        found = [] if item is None else [(item.node, item.type)]
-        return found + [(each.node, each.type) for each in self.publications.get(topic, ())]
+        return _ends(self._published.get(topic), self.publications.get(topic, ()))
 
     def subscribers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each subscriber of a topic."""
-        item = self._commanded.get(topic)
-        found = [] if item is None else [(item.node, item.type)]
-        return found + [(each.node, each.type) for each in self.receptions.get(topic, ())]
+        return _ends(self._commanded.get(topic), self.receptions.get(topic, ()))
 
     # Services --------------------------------------------------------------------------------------------------------
 
@@ -327,3 +323,8 @@ class Graph:
         if key not in self._logged and len(self._logged) < _MOST_LINES:
             self._logged.add(key)
             _log.warning("%s: %s", what, text)
+
+
+def _ends(twins: Endpoint | None, of_nodes: Iterable[Publication | Reception]) -> list[tuple[str, str]]:
+    """Return node and type of each end of a topic: the twin's, and those of nodes."""
+    return [(item.node, item.type) for item in (twins, *of_nodes) if item is not None]

@@ -12,9 +12,8 @@ from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
-from drake_twin.nodes.process_view import ProcessView
+from drake_twin.nodes.program import Program
 from drake_twin.nodes.task import here
 
 Source = Callable[[str], ModuleType | None]  # a module's full name → the module
@@ -48,12 +47,12 @@ class NodeFinder(importlib.abc.MetaPathFinder):
             self._is_busy = False
 
     def _find(
-        self, program: ProcessView[Any], fullname: str, root: str, dot: str, path: Sequence[str] | None
+        self, program: Program, fullname: str, root: str, dot: str, path: Sequence[str] | None
     ) -> ModuleSpec | None:
         spec = None
         for source in self._sources:
             if (module := source(fullname)) is not None:
-                program.lend(fullname)
+                program.lent.add(fullname)  # until the baton is given back
                 return ModuleSpec(fullname, _Given(module), is_package=hasattr(module, "__path__"))
         if not dot:
             spec = PathFinder.find_spec(fullname, program.extra_folders()) or self._in_workspace(fullname)

@@ -3,14 +3,8 @@
 ``Interfaces(folder_of).source`` returns the modules that node programs import: ``geometry_msgs.msg``, ``std_srvs.srv``,
 ``control_msgs.action``, … of all types that drake_twin knows, and of those that ``.msg``, ``.srv`` and ``.action``
 files of the workspace's packages define, which are read when a type is first asked for. It changes nothing itself:
-who puts the modules into ``sys.modules`` takes them out again. The classes are the same in all of them.
-
-Messages of these classes and the twin's own are made of each other:
-
-- ``to_wire(message)``: what `Twin.publish` and services take;
-- ``from_wire(name, data)``: the message of what `Twin.subscribe` and services hand over;
-- ``type_name(cls)``: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger``, ``control_msgs/action/GripperCommand``;
-- ``message_class(name)``, ``service_class(name)``, ``action_class(name)``: the classes of types that are known.
+who puts the modules into ``sys.modules`` takes them out again. The classes are the same in all of them;
+`drake_twin.nodes.message_classes` makes their messages and the twin's own of each other.
 """
 
 from collections.abc import Callable
@@ -23,27 +17,7 @@ from typing import Any
 from drake_twin.errors import InputError
 from drake_twin.messages import interface_types
 from drake_twin.nodes.interface_files import KINDS, InterfaceFiles
-from drake_twin.nodes.message_classes import (
-    Message,
-    action_class,
-    from_wire,
-    message_class,
-    module_name,
-    service_class,
-    to_wire,
-    type_name,
-)
-
-__all__ = [
-    "Interfaces",
-    "Message",
-    "action_class",
-    "from_wire",
-    "message_class",
-    "service_class",
-    "to_wire",
-    "type_name",
-]
+from drake_twin.nodes.message_classes import action_class, message_class, module_name, service_class
 
 _MAKERS = {"msg": message_class, "srv": service_class, "action": action_class}
 

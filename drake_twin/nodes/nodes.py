@@ -94,7 +94,7 @@ class Nodes:
             if not task.is_outside:
                 _log.warning("node %s: it did not end, and is abandoned", task.program.what)
         for program in self.programs:
-            self._forget(program)
+            self.ended(program)
         twin.alarm.call, twin.alarm.jumped = (lambda: None), (lambda before: None)
         twin.alarm.set(inf)
         twin.frames.callbacks.remove(self._while_paused)
@@ -183,9 +183,6 @@ class Nodes:
 
     def ended(self, program: Program) -> None:
         """Take note of a program that has ended."""
-        self._forget(program)
-
-    def _forget(self, program: Program) -> None:
         for item in program.belongings:
             if hasattr(item, "put_goal"):
                 self.actions.withdraw(item)

@@ -199,54 +199,12 @@ class NodeLock:
         self.release()
 
 
-class NodeRLock:
+class NodeRLock(threading._PyRLock):  # type: ignore[name-defined]
     """A lock that its owner can acquire again, for which a node's thread waits without the baton."""
 
     def __init__(self) -> None:
-        self._lock = NodeLock()
-        self._owner: int | None = None
-        self._count = 0
-
-    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
-        own = threading.get_ident()
-        if self._owner != own:
-            if not self._lock.acquire(blocking, timeout):
-                return False
-            self._owner = own
-        self._count += 1
-        return True
-
-    def release(self) -> None:
-        if self._owner != threading.get_ident():
-            raise RuntimeError("cannot release un-acquired lock")
-        self._count -= 1
-        if not self._count:
-            self._owner = None
-            self._lock.release()
-
-    def __enter__(self) -> bool:
-        return self.acquire()
-
-    def __exit__(self, *error: object) -> None:
-        self.release()
-
-    def _at_fork_reinit(self) -> None:
-        self._lock, self._owner, self._count = NodeLock(), None, 0
-
-    # What `threading.Condition` asks of its lock.
-
-    def _is_owned(self) -> bool:
-        return self._owner == threading.get_ident()
-
-    def _release_save(self) -> tuple[int, int | None]:
-        state = self._count, self._owner
-        self._count, self._owner = 0, None
-        self._lock.release()
-        return state
-
-    def _acquire_restore(self, state: tuple[int, int | None]) -> None:
-        self._lock.acquire()
-        self._count, self._owner = state
+        super().__init__()
+        self._block = NodeLock()
 
 
 def _made(own: Callable[..., Any], task: Task, real: Callable[..., Any], *arguments: Any) -> Any:

@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator
 from math import inf
 from typing import Any, Protocol
 
-from drake_twin.nodes.process_view import ProcessView
-
 _MOST_CALLS = 1000  # calls at one simulation time, after which a thread waits for the next step
 _MOST_WAITS = 100  # waits of a program after its own handler of Ctrl-C, until it is interrupted nevertheless
 _MOST_IDLE_CALLS = 10  # calls at one simulation time that find nothing to do
@@ -51,7 +49,7 @@ class Task:
 
     Args:
         turns: Hands out the baton.
-        program: The program that it belongs to.
+        program: The `drake_twin.nodes.program.Program` that it belongs to.
 
     Attributes:
         program: The program that it belongs to.
@@ -63,7 +61,7 @@ class Task:
         is_watching: Whether it waits for something that can come while the twin is paused.
     """
 
-    def __init__(self, turns: Baton, program: "ProcessView[Task]"):
+    def __init__(self, turns: Baton, program: Any):
         self.program = program
         self.thread: threading.Thread | None = None
         self.is_outside = False

@@ -99,9 +99,6 @@ class GraphFinder(importlib.abc.MetaPathFinder):
 
 
 class _Loader(importlib.abc.Loader):
-    def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType | None:
-        return None
-
     def exec_module(self, module: ModuleType) -> None:
         base = _OfGraph if module.__name__.partition(".")[0] in _OF_THE_GRAPH else _Interface
 

@@ -1,10 +1,11 @@
 """What a launch file starts, as frozen data: the result of `evaluate`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
+from drake_twin.errors import InputError
 from drake_twin.findings import Place
 
 # A parameter's value after evaluation: ROS knows these types and lists of the first four, each of one type.
@@ -105,6 +106,10 @@ class LaunchedProcess:
         """``package/executable``, or the command's first word."""
         return self.executable if self.package is None else f"{self.package}/{self.executable}"
 
+    def error(self, message: str, **more: Any) -> InputError:
+        """Return an error at the place where the action was written."""
+        return InputError(message, file=self.place.file, line=self.place.line, **more)
+
     def resolve(self, name: str) -> str:
         """Return the topic or service that the node uses for a name in its source, as rcl resolves it.
 
@@ -114,15 +119,7 @@ class LaunchedProcess:
             name: An absolute, relative or private (``~/commands``) name.
         """
         own = absolute_name(name, self.namespace, self.full_name)
-        for source, target in self.remappings:
-            node, colon, rest = source.partition(":")
-            if colon and not rest.startswith("//"):
-                if node != (self.name or self.executable):
-                    continue
-                source = rest
-            if not source.startswith("__") and absolute_name(source, self.namespace, self.full_name) == own:
-                return absolute_name(target, self.namespace, self.full_name)
-        return own
+        return remapped(own, self.namespace, self.full_name, self.remappings)
 
 
 @dataclass(frozen=True)
@@ -229,6 +226,26 @@ def absolute_name(name: str, namespace: str, node: str = "") -> str:
     if name == "~" or name.startswith("~/"):
         return node + name[1:]
     return f"{namespace.rstrip('/')}/{name}"
+
+
+def remapped(name: str, namespace: str, node: str, remappings: Iterable[tuple[str, str]]) -> str:
+    """Return the name in place of a full one; the first rule that matches wins.
+
+    Args:
+        name: The full name of a topic or a service.
+        namespace: The node's namespace.
+        node: The node's full name.
+        remappings: The rules: (from, to), where ``NODE:from`` is for the node of this name only.
+    """
+    for source, target in remappings:
+        of_node, colon, rest = source.partition(":")
+        if colon and not rest.startswith("//"):
+            if of_node.strip("/") != node.rpartition("/")[2]:
+                continue
+            source = rest
+        if not source.startswith("__") and absolute_name(source, namespace, node) == name:
+            return absolute_name(target, namespace, node)
+    return name
 
 
 def joined_namespace(base: str | None, namespace: str | None) -> str:

@@ -2,7 +2,7 @@
 
 import copy
 import os
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -26,11 +26,6 @@ class Scopes:
         self._start_environment = dict(os.environ)
         self._configuration_stack: list[dict[str, Any]] = []
         self._environment_stack: list[dict[str, str]] = []
-
-    @property
-    def environment(self) -> MutableMapping[str, str]:
-        """The environment variables."""
-        return os.environ
 
     def environment_additions(self) -> dict[str, str | None]:
         """Return what differs from the environment at the start; None for a variable that was removed."""

@@ -84,10 +84,6 @@ class StandInFinder(importlib.abc.MetaPathFinder):
 class StandInLoader(importlib.abc.Loader):
     """Loads a stand-in module, whose names are taken from the tree when they are first asked for."""
 
-    def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType | None:
-        """Return None for the usual module."""
-        return None
-
     def exec_module(self, module: ModuleType) -> None:
         """Give the module its names and its submodules."""
 

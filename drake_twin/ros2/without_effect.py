@@ -64,18 +64,11 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
         "rclpy.callback_groups.ReentrantCallbackGroup.can_execute(entity)",
         "rclpy.callback_groups.ReentrantCallbackGroup.ending_execution",
         "rclpy.callback_groups.ReentrantCallbackGroup.ending_execution(entity)",
-        "rclpy.lifecycle.LifecycleNodeMixin.on_activate(state)",
-        "rclpy.lifecycle.LifecycleNodeMixin.on_cleanup(state)",
-        "rclpy.lifecycle.LifecycleNodeMixin.on_configure(state)",
-        "rclpy.lifecycle.LifecycleNodeMixin.on_deactivate(state)",
-        "rclpy.lifecycle.LifecycleNodeMixin.on_error(state)",
-        "rclpy.lifecycle.LifecycleNodeMixin.on_shutdown(state)",
-        "rclpy.lifecycle.ManagedEntity.on_activate(state)",
-        "rclpy.lifecycle.ManagedEntity.on_cleanup(state)",
-        "rclpy.lifecycle.ManagedEntity.on_configure(state)",
-        "rclpy.lifecycle.ManagedEntity.on_deactivate(state)",
-        "rclpy.lifecycle.ManagedEntity.on_error(state)",
-        "rclpy.lifecycle.ManagedEntity.on_shutdown(state)",
+        *(
+            f"rclpy.lifecycle.{kind}.on_{transition}(state)"
+            for kind in ("LifecycleNodeMixin", "ManagedEntity")
+            for transition in ("activate", "cleanup", "configure", "deactivate", "error", "shutdown")
+        ),
     ),
     "the value is read as its type where it is used": (
         "launch.utilities.type_utils.normalize_typed_substitution(data_type)",
@@ -87,16 +80,11 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
     "an exact copy of every message arrives at the next step": (
         "rclpy.node.Node.create_client(qos_profile)",
         "rclpy.node.Node.create_service(qos_profile)",
-        "rclpy.action.ActionClient(cancel_service_qos_profile)",
-        "rclpy.action.ActionClient(feedback_sub_qos_profile)",
-        "rclpy.action.ActionClient(goal_service_qos_profile)",
-        "rclpy.action.ActionClient(result_service_qos_profile)",
-        "rclpy.action.ActionClient(status_sub_qos_profile)",
-        "rclpy.action.ActionServer(cancel_service_qos_profile)",
-        "rclpy.action.ActionServer(feedback_pub_qos_profile)",
-        "rclpy.action.ActionServer(goal_service_qos_profile)",
-        "rclpy.action.ActionServer(result_service_qos_profile)",
-        "rclpy.action.ActionServer(status_pub_qos_profile)",
+        *(
+            f"rclpy.action.Action{side}({what}_qos_profile)"
+            for side, end in (("Client", "sub"), ("Server", "pub"))
+            for what in ("cancel_service", f"feedback_{end}", "goal_service", "result_service", f"status_{end}")
+        ),
         "rclpy.publisher.Publisher.assert_liveliness",
         "rclpy.publisher.Publisher.wait_for_all_acked",
         "rclpy.publisher.Publisher.wait_for_all_acked(timeout)",

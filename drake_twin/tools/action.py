@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser
-from drake_twin.tools.verb import Verb, print_names, run_verbs, yaml_values
+from drake_twin.tools.typed_names import typed_names
+from drake_twin.tools.verb import Verb, run_verbs, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
@@ -26,29 +27,12 @@ def _actions(client: "Client") -> dict[str, str]:
     }
 
 
-def _add_list(parser: ArgumentParser) -> None:
-    parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
-    parser.add_argument("-c", "--count-actions", action="store_true", help="print only how many there are")
-
-
-def _list(client: "Client", options: argparse.Namespace) -> int:
-    print_names(_actions(client), options.show_types, options.count_actions)
-    return 0
-
-
-def _add_type(parser: ArgumentParser) -> None:
+def _add_action(parser: ArgumentParser) -> None:
     parser.add_argument("action_name", metavar="ACTION", help="the action")
 
 
-def _type(client: "Client", options: argparse.Namespace) -> int:
-    kind = _actions(client).get(options.action_name)
-    if kind is not None:
-        print(kind)
-    return int(kind is None)
-
-
 def _add_info(parser: ArgumentParser) -> None:
-    _add_type(parser)
+    _add_action(parser)
     parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
     parser.add_argument("-c", "--count", action="store_true", help="print only how many there are")
 
@@ -71,7 +55,7 @@ def _info(client: "Client", options: argparse.Namespace) -> int:
 
 
 def _add_send_goal(parser: ArgumentParser) -> None:
-    _add_type(parser)
+    _add_action(parser)
     parser.add_argument("action_type", metavar="TYPE", help="its type, for example control_msgs/action/GripperCommand")
     parser.add_argument("goal", metavar="GOAL", nargs="?", default="{}", help="the goal as YAML, '{order: 5}'")
     parser.add_argument("--stdin", action="store_true", help="read it from the standard input")
@@ -124,8 +108,7 @@ def _text(message: Any) -> str:
 
 
 VERBS = {
-    "list": Verb("list the actions", _add_list, _list),
-    "type": Verb("print the type of an action", _add_type, _type),
+    **typed_names("actions", _actions, have_hidden=False),
     "info": Verb("print who serves and calls an action", _add_info, _info),
     "send_goal": Verb("send a goal and wait for its result; Ctrl-C cancels it", _add_send_goal, _send_goal),
 }

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser
-from drake_twin.tools.verb import Verb, print_names, run_verbs
+from drake_twin.tools.typed_names import print_names
+from drake_twin.tools.verb import Verb, run_verbs
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
@@ -21,8 +22,7 @@ def _add_list(parser: ArgumentParser) -> None:
 
 
 def _list(client: "Client", options: argparse.Namespace) -> int:
-    nodes = {name: "" for name in client.nodes() if options.all or "/_" not in name}
-    print_names(nodes, show_types=False, only_count=options.count_nodes)
+    print_names([name for name in client.nodes() if options.all or "/_" not in name], options.count_nodes)
     return 0
 
 

@@ -8,32 +8,15 @@ from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser
-from drake_twin.tools.verb import Verb, positive, print_found, print_names, run_verbs, shown, yaml_values
+from drake_twin.tools.typed_names import typed_names
+from drake_twin.tools.verb import Verb, positive, run_verbs, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
 
 
-def _add_list(parser: ArgumentParser) -> None:
-    parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
-    parser.add_argument("-c", "--count-services", action="store_true", help="print only how many there are")
-    parser.add_argument("--include-hidden-services", action="store_true", help="list those of actions, too")
-
-
-def _list(client: "Client", options: argparse.Namespace) -> int:
-    print_names(shown(client.services(), options.include_hidden_services), options.show_types, options.count_services)
-    return 0
-
-
-def _add_type(parser: ArgumentParser) -> None:
+def _add_info(parser: ArgumentParser) -> None:
     parser.add_argument("service_name", metavar="SERVICE", help="the service")
-
-
-def _type(client: "Client", options: argparse.Namespace) -> int:
-    kind = client.services().get(options.service_name)
-    if kind is not None:
-        print(kind)
-    return int(kind is None)
 
 
 def _info(client: "Client", options: argparse.Namespace) -> int:
@@ -45,18 +28,6 @@ def _info(client: "Client", options: argparse.Namespace) -> int:
     print(f"Type: {services[name]}")
     for kind, what in ((CLIENT, "Clients"), (SERVICE, "Services")):
         print(f"{what} count: {sum(item.kind == kind and item.name == name for item in client.entities())}")
-    return 0
-
-
-def _add_find(parser: ArgumentParser) -> None:
-    parser.add_argument("service_type", metavar="TYPE", help="the type, for example std_srvs/srv/Trigger")
-    parser.add_argument("-c", "--count-services", action="store_true", help="print only how many there are")
-    parser.add_argument("--include-hidden-services", action="store_true", help="find those of actions, too")
-
-
-def _find(client: "Client", options: argparse.Namespace) -> int:
-    found = shown(client.services(), options.include_hidden_services)
-    print_found(found, options.service_type, options.count_services)
     return 0
 
 
@@ -87,10 +58,8 @@ def _call(client: "Client", options: argparse.Namespace) -> int:
 
 
 VERBS = {
-    "list": Verb("list the services", _add_list, _list),
-    "type": Verb("print the type of a service", _add_type, _type),
-    "find": Verb("list the services of a type", _add_find, _find),
-    "info": Verb("print the type of a service and how many serve and call it", _add_type, _info),
+    **typed_names("services", lambda client: client.services()),
+    "info": Verb("print the type of a service and how many serve and call it", _add_info, _info),
     "call": Verb("call a service and print its response", _add_call, _call),
 }
 

@@ -12,23 +12,13 @@ from drake_twin.program import ArgumentParser
 from drake_twin.tools.stamps import set_times, without_words
 from drake_twin.tools.topic_echo import add_echo, echo
 from drake_twin.tools.topic_meters import add_bw, add_delay, add_hz, bw, delay, hz
-from drake_twin.tools.verb import Now, Verb, positive, print_found, print_names, run_verbs, shown, yaml_values
+from drake_twin.tools.typed_names import typed_names
+from drake_twin.tools.verb import Now, Verb, positive, run_verbs, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
 
 _POLL = 0.1  # s between two counts of the subscribers
-
-
-def _add_list(parser: ArgumentParser) -> None:
-    parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
-    parser.add_argument("-c", "--count-topics", action="store_true", help="print only how many there are")
-    parser.add_argument("--include-hidden-topics", action="store_true", help="list those of actions, too")
-
-
-def _list(client: "Client", options: argparse.Namespace) -> int:
-    print_names(shown(client.topics(), options.include_hidden_topics), options.show_types, options.count_topics)
-    return 0
 
 
 def _add_info(parser: ArgumentParser) -> None:
@@ -53,28 +43,6 @@ def _info(client: "Client", options: argparse.Namespace) -> int:
             print(f"Node name: {node}\nNode namespace: {namespace or '/'}\nTopic type: {item.type}")
             print(f"Topic type hash: {item.hash}\nEndpoint type: {what.upper()}", end="\n")
             print(f"QoS profile:\n  Durability: {durability}", end=end)
-    return 0
-
-
-def _add_type(parser: ArgumentParser) -> None:
-    parser.add_argument("topic_name", metavar="TOPIC", help="the topic")
-
-
-def _type(client: "Client", options: argparse.Namespace) -> int:
-    kind = client.topics().get(options.topic_name)
-    if kind is not None:
-        print(kind)
-    return int(kind is None)
-
-
-def _add_find(parser: ArgumentParser) -> None:
-    parser.add_argument("topic_type", metavar="TYPE", help="the type, for example sensor_msgs/msg/JointState")
-    parser.add_argument("-c", "--count-topics", action="store_true", help="print only how many there are")
-    parser.add_argument("--include-hidden-topics", action="store_true", help="find those of actions, too")
-
-
-def _find(client: "Client", options: argparse.Namespace) -> int:
-    print_found(shown(client.topics(), options.include_hidden_topics), options.topic_type, options.count_topics)
     return 0
 
 
@@ -148,9 +116,7 @@ def _pub(client: "Client", options: argparse.Namespace) -> int:
 
 
 VERBS = {
-    "list": Verb("list the topics", _add_list, _list),
-    "type": Verb("print the type of a topic", _add_type, _type),
-    "find": Verb("list the topics of a type", _add_find, _find),
+    **typed_names("topics", lambda client: client.topics()),
     "info": Verb("print the type of a topic and who publishes and hears it", _add_info, _info),
     "echo": Verb("print the messages of a topic; Ctrl-C ends it", add_echo, echo),
     "hz": Verb("print how often messages arrive, by the wall clock; Ctrl-C ends it", add_hz, hz),

@@ -116,22 +116,6 @@ class Arrivals:
             yield self._items.get()
 
 
-def shown(types: Mapping[str, str], include_hidden: bool) -> dict[str, str]:
-    """Return the topics or services, name → type, without those that ROS hides."""
-    return {name: kind for name, kind in types.items() if include_hidden or "/_" not in name}
-
-
-def print_names(types: Mapping[str, str], show_types: bool, only_count: bool) -> None:
-    """Print names, and types if asked for, or how many there are."""
-    lines = [f"{name} [{kind}]" if show_types else name for name, kind in types.items()]
-    print("\n".join([str(len(lines))] if only_count else lines), end="\n" if only_count or lines else "")
-
-
-def print_found(types: Mapping[str, str], kind: str, only_count: bool) -> None:
-    """Print the names of a type, or how many there are."""
-    print_names({name: its for name, its in types.items() if its == kind}, show_types=False, only_count=only_count)
-
-
 class Now:
     """The time (ns) by the wall clock, or by the twin's with ``--use-sim-time``.
 

@@ -7,7 +7,7 @@ from pydrake.geometry import Box, Ellipsoid
 from pydrake.math import RigidTransform
 
 from drake_twin import TwinBuilder
-from drake_twin.cockpit.overlay import overlay_kinds
+from drake_twin.cockpit.overlay import OVERLAY_KINDS
 from drake_twin.cockpit.overlays.contact_forces import _forces
 from drake_twin.cockpit.overlays.frames import _in_world, _transforms
 from drake_twin.cockpit.scene import OVERLAYS, Scene
@@ -43,7 +43,7 @@ def twin():
 @pytest.mark.parametrize("name", ["frames", "contacts", "collision", "inertia"])
 def test_an_overlay_is_there_while_it_is_shown_and_leaves_nothing(twin, name):
     scene = Scene()
-    overlay = overlay_kinds()[name].type(scene, twin)
+    overlay = OVERLAY_KINDS[name].type(scene, twin)
     overlay.draw()
     assert scene.has_path(OVERLAYS)
     overlay.remove()
@@ -52,7 +52,7 @@ def test_an_overlay_is_there_while_it_is_shown_and_leaves_nothing(twin, name):
 
 def test_collision_shapes_are_those_of_contact_and_go_along_with_their_links(twin):
     drawn = Drawn()
-    shapes = overlay_kinds()["collision"].type(drawn, twin)
+    shapes = OVERLAY_KINDS["collision"].type(drawn, twin)
     shapes.draw()
     base = twin.plant.GetBodyByName("robot_2_base_link", twin.plant.GetModelInstanceByName("robot_2"))
     path = f"{OVERLAYS}/collision/{int(base.index())}"
@@ -75,7 +75,7 @@ def test_an_inertia_ellipsoid_has_the_bodys_moments(tmp_path):
         ' type="continuous"><parent link="world"/><child link="a"/></joint></robot>'
     )
     drawn = Drawn()
-    overlay_kinds()["inertia"].type(drawn, TwinBuilder().robot("plate", file).build())
+    OVERLAY_KINDS["inertia"].type(drawn, TwinBuilder().robot("plate", file).build())
     (path,) = [path for path, shape in drawn.objects.items() if type(shape).__name__ == "Ellipsoid"]
     shape, place = drawn.objects[path], drawn.transforms[path]
     squares = sorted([shape.a() ** 2, shape.b() ** 2, shape.c() ** 2])
@@ -86,7 +86,7 @@ def test_an_inertia_ellipsoid_has_the_bodys_moments(tmp_path):
 
 def test_contact_arrows_are_drawn_for_wheels_on_the_ground(twin):
     scene = Scene()
-    contacts = overlay_kinds()["contacts"].type(scene, twin)
+    contacts = OVERLAY_KINDS["contacts"].type(scene, twin)
     contacts.draw()
     assert len([path for path in scene.everything().paths() if path.endswith("/shaft")]) == 8  # wheels
 
@@ -110,7 +110,7 @@ def test_frames_that_hang_on_nothing_and_circles_are_left_out(twin):
 def test_an_arms_frames_follow_its_joints():
     twin = TwinBuilder().robot("arm", ARM).build()
     drawn = Drawn()
-    frames = overlay_kinds()["frames"].type(drawn, twin)
+    frames = OVERLAY_KINDS["frames"].type(drawn, twin)
     frames.draw()
     before = {path: pose.translation().copy() for path, pose in drawn.transforms.items()}
     twin.entities.set_joint_positions("arm", {"joint_1": 0.5})

@@ -15,8 +15,8 @@ from pydrake.math import RigidTransform
 
 from drake_twin import extensions
 from drake_twin.cockpit import protocol
-from drake_twin.cockpit.overlay import overlay, overlay_kinds
-from drake_twin.cockpit.panel import panel, panel_kinds
+from drake_twin.cockpit.overlay import OVERLAY_KINDS, overlay
+from drake_twin.cockpit.panel import PANEL_KINDS, panel
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.errors import InputError
 
@@ -41,7 +41,7 @@ export default class {
 @pytest.fixture
 def own_parts(tmp_path, monkeypatch):
     """An overlay and a panel that are not the twin's own."""
-    for kinds in (overlay_kinds(), panel_kinds()):
+    for kinds in (OVERLAY_KINDS, PANEL_KINDS):
         monkeypatch.setattr(kinds, "_kinds", kinds._kinds.new_child())
     script = tmp_path / "horn.js"
     script.write_text(SCRIPT)
@@ -130,7 +130,7 @@ def test_entry_points_are_loaded_when_a_page_is_opened_and_a_broken_one_is_named
     entry_points, tmp_path, monkeypatch, caplog
 ):
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(overlay_kinds(), "_kinds", overlay_kinds()._kinds.new_child())
+    monkeypatch.setattr(OVERLAY_KINDS, "_kinds", OVERLAY_KINDS._kinds.new_child())
     (tmp_path / "their_overlay.py").write_text(
         "from drake_twin.cockpit.overlay import overlay\n"
         "@overlay('theirs', 'Theirs')\n"

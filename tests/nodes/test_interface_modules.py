@@ -8,7 +8,8 @@ import pytest
 from interface_packages import folder_of, write_package
 
 from drake_twin import InputError
-from drake_twin.nodes.interfaces import Interfaces, from_wire, message_class, to_wire, type_name
+from drake_twin.nodes.interfaces import Interfaces
+from drake_twin.nodes.message_classes import from_wire, message_class, to_wire, type_name
 
 
 class Finder(MetaPathFinder, Loader):

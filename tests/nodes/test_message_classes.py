@@ -13,7 +13,8 @@ import pytest
 from interface_packages import folder_of, write_package
 
 from drake_twin.messages.interface_types import class_of
-from drake_twin.nodes.interfaces import Interfaces, message_class
+from drake_twin.nodes.interfaces import Interfaces
+from drake_twin.nodes.message_classes import message_class
 
 INTEGERS = [f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)]
 SCALARS = ["bool", "byte", "char", "float32", "float64", *INTEGERS]

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from node_scripts import run_script
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.message_filters import ApproximateTimeSynchronizer, Cache, SimpleFilter, TimeSynchronizer
 from drake_twin.nodes.rclpy.time import Time
 

@@ -10,7 +10,7 @@ from rosbags.interfaces import Nodetype
 
 from drake_twin.messages import EMPTY
 from drake_twin.messages.interface_types import class_of, deserialize, fields_of, known_names, known_packages, serialize
-from drake_twin.nodes.interfaces import from_wire, message_class, to_wire, type_name
+from drake_twin.nodes.message_classes import from_wire, message_class, to_wire, type_name
 
 FLOAT32_MAX = float(np.finfo("float32").max)
 PARTS = {

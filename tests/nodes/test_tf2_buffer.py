@@ -10,7 +10,7 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation, Slerp
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.time import Time
 from drake_twin.nodes.tf2_py import (

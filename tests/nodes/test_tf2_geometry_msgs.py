@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_twin.nodes import tf2_geometry_msgs as stand_in
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 
 Quaternion = message_class("geometry_msgs/msg/Quaternion")
 

@@ -13,7 +13,7 @@ from lxml import etree
 from scenes import ENGINES, G, box, every_engine, world
 
 from drake_twin import TwinBuilder
-from drake_twin.cockpit.overlay import overlay_kinds
+from drake_twin.cockpit.overlay import OVERLAY_KINDS
 from drake_twin.cockpit.overlays.collision_shapes import _shapes
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.description.package_index import PackageIndex
@@ -235,7 +235,7 @@ def test_a_brake_is_not_drawn(tmp_path):
     twin.advance_to(0.01)
     scene = Scene()
     for name in ("contacts", "collision"):
-        overlay_kinds()[name].type(scene, twin).draw()
+        OVERLAY_KINDS[name].type(scene, twin).draw()
     results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
     assert results.num_point_pair_contacts() + results.num_hydroelastic_contacts() == 2
     assert not scene.has_path(f"{OVERLAYS}/contact")

@@ -1,12 +1,12 @@
 """PyBullet with its velocity motors."""
 
-import weakref
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pybullet
+from pybullet_utils.bullet_client import BulletClient
 
 from drake_twin.benchmarks.engine import Setting
 from drake_twin.benchmarks.robots import FRICTION, Prepared, prepare
@@ -17,14 +17,12 @@ class PybulletEngine:
     """The robots in one physics client."""
 
     def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
-        self._bullet: Any = pybullet
-        self._client = pybullet.connect(pybullet.DIRECT)
-        weakref.finalize(self, pybullet.disconnect, self._client)
+        self._bullet: Any = BulletClient(pybullet.DIRECT)
         prepared = prepare(workload, count, folder, 0.001)
-        pybullet.setGravity(0, 0, -9.81, physicsClientId=self._client)
-        pybullet.setTimeStep(setting.step, physicsClientId=self._client)
+        self._bullet.setGravity(0, 0, -9.81)
+        self._bullet.setTimeStep(setting.step)
         self._step, self._steps = setting.step, 0
-        self._add_body(0.0, pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self._client))
+        self._add_body(0.0, self._bullet.createCollisionShape(pybullet.GEOM_PLANE))
         for box in prepared.boxes:
             self._add_box(box)
         self._robots = [self._add_robot(robot, folder) for robot in prepared.robots]
@@ -33,65 +31,46 @@ class PybulletEngine:
         """Command joint velocities."""
         for (robot, indices, efforts), values in zip(self._robots, velocities.tolist(), strict=True):
             self._bullet.setJointMotorControlArray(
-                robot,
-                indices,
-                self._bullet.VELOCITY_CONTROL,
-                targetVelocities=values,
-                forces=efforts,
-                physicsClientId=self._client,
+                robot, indices, pybullet.VELOCITY_CONTROL, targetVelocities=values, forces=efforts
             )
 
     def advance_to(self, time: float) -> None:
         """Advance to a time (s)."""
-        steps = round(time / self._step)
+        steps, step = round(time / self._step), self._bullet.stepSimulation
         for _ in range(steps - self._steps):
-            self._bullet.stepSimulation(physicsClientId=self._client)
+            step()
         self._steps = max(steps, self._steps)
 
     def positions(self) -> np.ndarray:
         """Return the positions of the commanded joints."""
-        states = [
-            self._bullet.getJointStates(robot, indices, physicsClientId=self._client)
-            for robot, indices, _ in self._robots
-        ]
+        states = [self._bullet.getJointStates(robot, indices) for robot, indices, _ in self._robots]
         return np.array([[state[0] for state in row] for row in states])
 
     def _add_robot(self, robot: Prepared, folder: Path) -> tuple[int, list[int], list[float]]:
-        bullet, client = self._bullet, self._client
+        bullet = self._bullet
         file = folder / f"{robot.plan.name}.urdf"
         file.write_text(robot.urdf, encoding="utf-8")
-        body = bullet.loadURDF(str(file), robot.xyz, useFixedBase=robot.plan.model.is_fixed, physicsClientId=client)
-        bullet.changeDynamics(body, -1, lateralFriction=FRICTION, physicsClientId=client)
+        body = bullet.loadURDF(str(file), robot.xyz, useFixedBase=robot.plan.model.is_fixed)
+        bullet.changeDynamics(body, -1, lateralFriction=FRICTION)
         indices = {}
-        for index in range(bullet.getNumJoints(body, physicsClientId=client)):
-            indices[bullet.getJointInfo(body, index, physicsClientId=client)[1].decode()] = index
-            bullet.setJointMotorControl2(body, index, bullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
-            bullet.changeDynamics(body, index, lateralFriction=FRICTION, physicsClientId=client)
+        for index in range(bullet.getNumJoints(body)):
+            indices[bullet.getJointInfo(body, index)[1].decode()] = index
+            bullet.setJointMotorControl2(body, index, bullet.VELOCITY_CONTROL, force=0)
+            bullet.changeDynamics(body, index, lateralFriction=FRICTION)
         for joint in robot.description.movable_joints:
             if joint.mimic is not None:  # a gear has no offset; the joints of these robots do not need one
-                gear = bullet.createConstraint(
-                    body,
-                    indices[joint.mimic.joint],
-                    body,
-                    indices[joint.name],
-                    bullet.JOINT_GEAR,
-                    joint.axis,
-                    (0, 0, 0),
-                    (0, 0, 0),
-                    physicsClientId=client,
-                )
-                bullet.changeConstraint(gear, gearRatio=-joint.mimic.multiplier, maxForce=100, physicsClientId=client)
+                both = body, indices[joint.mimic.joint], body, indices[joint.name]
+                gear = bullet.createConstraint(*both, bullet.JOINT_GEAR, joint.axis, (0, 0, 0), (0, 0, 0))
+                bullet.changeConstraint(gear, gearRatio=-joint.mimic.multiplier, maxForce=100)
         return body, [indices[joint.name] for joint in robot.joints], [joint.effort for joint in robot.joints]
 
     def _add_box(self, box: Box) -> None:
         bullet = self._bullet
-        shape = bullet.createCollisionShape(
-            bullet.GEOM_BOX, halfExtents=[edge / 2 for edge in box.size], physicsClientId=self._client
-        )
+        shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[edge / 2 for edge in box.size])
         self._add_body(box.mass or 0.0, shape, box.xyz, bullet.getQuaternionFromEuler((0, box.pitch, 0)))
 
     def _add_body(
         self, mass: float, shape: int, xyz: Sequence[float] = (0, 0, 0), quaternion: Sequence[float] = (0, 0, 0, 1)
     ) -> None:
-        body = self._bullet.createMultiBody(mass, shape, -1, xyz, quaternion, physicsClientId=self._client)
-        self._bullet.changeDynamics(body, -1, lateralFriction=1.0, physicsClientId=self._client)
+        body = self._bullet.createMultiBody(mass, shape, -1, xyz, quaternion)
+        self._bullet.changeDynamics(body, -1, lateralFriction=1.0)

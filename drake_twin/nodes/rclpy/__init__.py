@@ -3,11 +3,12 @@
 Names and behaviour are rclpy's of Jazzy; docstrings say what differs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from drake_twin.nodes.rclpy.context import Context, default_context
-from drake_twin.nodes.rclpy.executors import Executor, SingleThreadedExecutors
+from drake_twin.nodes.rclpy.executors import Executor, SingleThreadedExecutor
 from drake_twin.nodes.rclpy.node import Node
 from drake_twin.nodes.rclpy.parameter import Parameter
 from drake_twin.nodes.rclpy.signals import (
@@ -82,38 +83,41 @@ def create_node(node_name: str, **options: Any) -> Node:
 
 
 def get_global_executor() -> Executor:
-    """Return the executor of `spin`."""
-    return SingleThreadedExecutors.of_program()
+    """Return the executor of `spin`, one of each program."""
+    known = present_task().program.rclpy
+    executor: Executor | None = known.get("executor")
+    if executor is None or executor._is_shutdown:
+        executor = known["executor"] = SingleThreadedExecutor()
+    return executor
+
+
+@contextmanager
+def _executor_with(node: Node, executor: Executor | None) -> Iterator[Executor]:
+    """Add a node to an executor, by default that of `spin`, and remove it at the end."""
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        yield executor
+    finally:
+        executor.remove_node(node)
 
 
 def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
     """Call back once, after at most some simulation time (s)."""
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
+    with _executor_with(node, executor) as executor:
         executor.spin_once(timeout_sec=timeout_sec)
-    finally:
-        executor.remove_node(node)
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:
     """Call back until the context is shut down."""
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
+    with _executor_with(node, executor) as executor:
         while executor.context.ok() and not executor._is_shutdown:
             executor.spin_once()
-    finally:
-        executor.remove_node(node)
 
 
 def spin_until_future_complete(
     node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
     """Call back until a future is done, or for some simulation time (s)."""
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
+    with _executor_with(node, executor) as executor:
         executor.spin_until_future_complete(future, timeout_sec)
-    finally:
-        executor.remove_node(node)

@@ -3,10 +3,9 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from math import inf
 from typing import Any
 
-from drake_twin.nodes import interfaces
+from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.simulated_time import wait_until
@@ -19,15 +18,12 @@ class Client:
     def __init__(self, graph: Graph, context: Any, srv_type: Any, srv_name: str, qos_profile: Any, callback_group: Any):
         self.srv_type, self.srv_name, self.qos_profile = srv_type, srv_name, qos_profile
         self.callback_group, self.context = callback_group, context
+        self.service_name = srv_name
         self._graph = graph
-        self._type = interfaces.type_name(srv_type)
+        self._type = message_classes.type_name(srv_type)
         self._answers: deque[Callable[[], None]] = deque()
         self._pending: list[Future] = []
         self._executor: Any = None
-
-    @property
-    def service_name(self) -> str:
-        return self.srv_name
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
         """Ask, and wait for the answer while another thread spins."""
@@ -46,13 +42,13 @@ class Client:
         def answered(response: Any) -> None:
             self._answers.append(partial(self._finish, future, response))
 
-        self._graph.ask(self.srv_name, self._type, interfaces.to_wire(request), answered)
+        self._graph.ask(self.srv_name, self._type, message_classes.to_wire(request), answered)
         return future
 
     def _finish(self, future: Future, response: Any) -> None:
         if future in self._pending:
             self._pending.remove(future)
-            future.set_result(interfaces.from_wire(f"{self._type}_Response", response))
+            future.set_result(message_classes.from_wire(f"{self._type}_Response", response))
 
     def remove_pending_request(self, future: Future) -> None:
         if future in self._pending:
@@ -68,9 +64,6 @@ class Client:
 
     def is_ready(self) -> bool:
         return bool(self._answers)
-
-    def due(self) -> float:
-        return inf
 
     def execute(self) -> None:
         self._answers.popleft()()

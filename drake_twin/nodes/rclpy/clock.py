@@ -3,7 +3,6 @@
 from collections import deque
 from collections.abc import Callable
 from enum import IntEnum
-from math import inf
 from typing import Any
 
 from drake_twin.nodes.rclpy.callback_groups import ReentrantCallbackGroup
@@ -95,9 +94,6 @@ class Jumps:
 
     def is_ready(self) -> bool:
         return bool(self._waiting)
-
-    def due(self) -> float:
-        return inf
 
     def execute(self) -> None:
         delta = self._waiting.popleft()

@@ -1,11 +1,13 @@
 """Stand-in for ``rclpy.duration``."""
 
+from functools import total_ordering
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.constants import S_TO_NS
 
 
+@total_ordering
 class Duration:
     """A span of time in nanoseconds."""
 
@@ -33,15 +35,6 @@ class Duration:
 
     def __lt__(self, other: Any) -> bool:
         return self.nanoseconds < other.nanoseconds if isinstance(other, Duration) else NotImplemented
-
-    def __le__(self, other: Any) -> bool:
-        return self.nanoseconds <= other.nanoseconds if isinstance(other, Duration) else NotImplemented
-
-    def __gt__(self, other: Any) -> bool:
-        return self.nanoseconds > other.nanoseconds if isinstance(other, Duration) else NotImplemented
-
-    def __ge__(self, other: Any) -> bool:
-        return self.nanoseconds >= other.nanoseconds if isinstance(other, Duration) else NotImplemented
 
     def __add__(self, other: Any) -> Any:
         if isinstance(other, Duration):

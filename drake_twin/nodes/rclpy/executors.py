@@ -128,7 +128,7 @@ class Executor:
                 thread.count_idle_call()
             else:
                 until = inf if timeout == inf else max(thread.after, thread.now + timeout)
-                thread.wait(lambda: self._has_work() or self._is_over() or is_over(), until, self._due)
+                thread.wait(lambda: self._next_work() is not None or self._is_over() or is_over(), until, self._due)
             self._is_awake = False
             if not self._context.ok():
                 raise ExternalShutdownException
@@ -150,9 +150,6 @@ class Executor:
                     return entity
         return None
 
-    def _has_work(self) -> bool:
-        return self._next_work() is not None
-
     def _due(self) -> float:
         due = inf
         for node in self._nodes:
@@ -162,11 +159,16 @@ class Executor:
         return due
 
     def _execute(self, work: Any) -> None:
+        if not isinstance(work, Task):
+            work.callback_group.beginning_execution(work)
+        self._run(work)
+
+    def _run(self, work: Any) -> None:
+        """Do what has been begun: a task, or one thing of an entity."""
         if isinstance(work, Task):
             self._run_task(work)
             return
         group = work.callback_group
-        group.beginning_execution(work)
         try:
             found = work.execute()
         except BaseException:
@@ -214,17 +216,18 @@ class MultiThreadedExecutor(Executor):
         self._workers: list[_Worker] = []
         self._error: BaseException | None = None
 
+    @property
+    def _is_busy(self) -> bool:
+        return len(self._workers) >= self._number and all(worker.is_busy for worker in self._workers)
+
     def _next_work(self) -> Any:
-        if self._error is None and len(self._workers) >= self._number and all(item.is_busy for item in self._workers):
-            return None
-        return super()._next_work()
+        return None if self._error is None and self._is_busy else super()._next_work()
 
     def _is_over(self) -> bool:
         return self._error is not None or super()._is_over()
 
     def _due(self) -> float:
-        busy = len(self._workers) >= self._number and all(worker.is_busy for worker in self._workers)
-        return inf if busy else super()._due()
+        return inf if self._is_busy else super()._due()
 
     def _spin_once(self, timeout: float, is_over: Callable[[], bool]) -> None:
         if self._error is None:
@@ -234,10 +237,8 @@ class MultiThreadedExecutor(Executor):
             raise error
 
     def _execute(self, work: Any) -> None:
-        if isinstance(work, Task):
-            work_of_task = work
-            if not work_of_task.is_ready():
-                return
+        if isinstance(work, Task) and not work.is_ready():
+            return
         worker = next((item for item in self._workers if not item.is_busy), None)
         if worker is None:
             worker = _Worker()
@@ -247,24 +248,12 @@ class MultiThreadedExecutor(Executor):
         if not isinstance(work, Task):
             work.callback_group.beginning_execution(work)
         worker.work = lambda: self._work(work)
-        thread = present_task()
-        thread.wait(lambda: worker.has_begun)
+        present_task().wait(lambda: worker.has_begun)
         worker.has_begun = False
 
     def _work(self, work: Any) -> None:
         try:
-            if isinstance(work, Task):
-                self._run_task(work)
-                return
-            try:
-                found = work.execute()
-            except BaseException:
-                work.callback_group.ending_execution(work)
-                raise
-            if inspect.iscoroutine(found):
-                self._follow(found, lambda: work.callback_group.ending_execution(work))
-            else:
-                work.callback_group.ending_execution(work)
+            self._run(work)
         except Exception as error:
             self._error = error
 
@@ -295,15 +284,3 @@ class _Worker:
                 )
             finally:
                 self.work = None
-
-
-class SingleThreadedExecutors:
-    """Kept apart so that each program has one executor for ``rclpy.spin``."""
-
-    @staticmethod
-    def of_program() -> Executor:
-        known = present_task().program.rclpy
-        executor = known.get("executor")
-        if executor is None or executor._is_shutdown:
-            executor = known["executor"] = SingleThreadedExecutor()
-        return executor

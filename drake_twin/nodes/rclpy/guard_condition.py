@@ -1,7 +1,6 @@
 """Stand-in for ``rclpy.guard_condition``."""
 
 from collections.abc import Callable
-from math import inf
 from typing import Any
 
 
@@ -17,9 +16,6 @@ class GuardCondition:
 
     def is_ready(self) -> bool:
         return self._is_triggered
-
-    def due(self) -> float:
-        return inf
 
     def execute(self) -> Any:
         self._is_triggered = False

@@ -85,8 +85,7 @@ class RcutilsLogger:
     def warning(self, message: Any, **options: Any) -> bool:
         return self.log(message, LoggingSeverity.WARN, **options)
 
-    def warn(self, message: Any, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.WARN, **options)
+    warn = warning
 
     def error(self, message: Any, **options: Any) -> bool:
         return self.log(message, LoggingSeverity.ERROR, **options)

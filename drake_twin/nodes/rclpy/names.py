@@ -67,19 +67,6 @@ def full_name(name: str, namespace: str, node: str, *, is_service: bool = False)
     return absolute_name(expanded, namespace, node)
 
 
-def remapped(name: str, namespace: str, node: str, arguments: RosArguments) -> str:
-    """Return the name in place of a full one; the first rule that matches wins."""
-    for source, target in arguments.remappings:
-        of_node, colon, rest = source.partition(":")
-        if colon and not rest.startswith("//"):
-            if of_node.strip("/") != node.rpartition("/")[2]:
-                continue
-            source = rest
-        if not source.startswith("__") and absolute_name(source, namespace, node) == name:
-            return absolute_name(target, namespace, node)
-    return name
-
-
 def overrides(node: str, arguments: RosArguments) -> dict[str, Any]:
     """Return the parameters that a program's command line gives a node; later ones replace earlier ones.
 

@@ -1,6 +1,6 @@
 """Stand-in for ``rclpy.node``."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 from drake_twin.nodes.action_graph import ActionGraph
@@ -12,7 +12,7 @@ from drake_twin.nodes.rclpy.context import Context, default_context
 from drake_twin.nodes.rclpy.exceptions import NotInitializedException
 from drake_twin.nodes.rclpy.guard_condition import GuardCondition
 from drake_twin.nodes.rclpy.logging import RcutilsLogger
-from drake_twin.nodes.rclpy.names import check_namespace, check_node_name, full_name, overrides, remapped
+from drake_twin.nodes.rclpy.names import check_namespace, check_node_name, full_name, overrides
 from drake_twin.nodes.rclpy.node_parameters import NodeParameters
 from drake_twin.nodes.rclpy.parameter import Parameter
 from drake_twin.nodes.rclpy.parameter_service import ParameterService
@@ -23,6 +23,7 @@ from drake_twin.nodes.rclpy.subscription import Subscription
 from drake_twin.nodes.rclpy.timer import Rate, Timer
 from drake_twin.nodes.rclpy.topic_endpoint_info import GraphQueries
 from drake_twin.nodes.task import present_task
+from drake_twin.ros2.launched import remapped
 from drake_twin.ros2.ros_arguments import split_ros_arguments
 
 HIDDEN_NODE_PREFIX = "_"
@@ -115,33 +116,13 @@ class Node(NodeParameters, GraphQueries):
     def handle(self) -> "Node":
         return self
 
-    @property
-    def publishers(self) -> Iterator[Publisher]:
-        yield from self._publishers
-
-    @property
-    def subscriptions(self) -> Iterator[Subscription]:
-        yield from self._subscriptions
-
-    @property
-    def clients(self) -> Iterator[Client]:
-        yield from self._clients
-
-    @property
-    def services(self) -> Iterator[Service]:
-        yield from self._services
-
-    @property
-    def timers(self) -> Iterator[Timer]:
-        yield from self.timers_of_clock
-
-    @property
-    def guards(self) -> Iterator[GuardCondition]:
-        yield from self._guards
-
-    @property
-    def waitables(self) -> Iterator[Any]:
-        yield from self._waitables
+    publishers = property(lambda self: iter(self._publishers))
+    subscriptions = property(lambda self: iter(self._subscriptions))
+    clients = property(lambda self: iter(self._clients))
+    services = property(lambda self: iter(self._services))
+    timers = property(lambda self: iter(self.timers_of_clock))
+    guards = property(lambda self: iter(self._guards))
+    waitables = property(lambda self: iter(self._waitables))
 
     def get_name(self) -> str:
         return self._name
@@ -160,11 +141,11 @@ class Node(NodeParameters, GraphQueries):
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         full = full_name(topic, self._namespace, self._full)
-        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments)
+        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments.remappings)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
         full = full_name(service, self._namespace, self._full, is_service=True)
-        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments)
+        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments.remappings)
 
     # What it has -----------------------------------------------------------------------------------------------------
 

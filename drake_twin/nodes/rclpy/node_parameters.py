@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.exceptions import (
     InvalidParameterException,
     InvalidParameterTypeException,
@@ -36,10 +36,7 @@ class NodeParameters:
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: Any = None, ignore_override: bool = False
     ) -> Parameter:
-        given: tuple[Any, ...] = (name,) if value is None and descriptor is None else (name, value)
-        if descriptor is not None:
-            given = (name, value, descriptor)
-        return self.declare_parameters("", [given], ignore_override)[0]
+        return self.declare_parameters("", [(name, value, descriptor)], ignore_override)[0]
 
     def declare_parameters(
         self, namespace: str, parameters: Iterable[Any], ignore_override: bool = False
@@ -81,7 +78,7 @@ class NodeParameters:
         descriptor.name = name
         descriptor.type = int(kind or parameter.type_)
         self._descriptors[name] = descriptor
-        result = self._asked([parameter], check_callbacks=True)
+        result = self._asked([parameter])
         if not result.successful:
             del self._descriptors[name]
             raise InvalidParameterValueException(name, value, result.reason)
@@ -146,9 +143,7 @@ class NodeParameters:
             given = [parameter for callback in self._pre_set for parameter in callback(list(parameter_list))]
             if not given:
                 text = "parameter list cannot be empty, this might be due to pre_set_parameters_callback modifying"
-                return message_class("rcl_interfaces/msg/SetParametersResult")(
-                    successful=False, reason=f"{text} the original parameters list."
-                )
+                return _result(f"{text} the original parameters list.")
         self._check_declared(given)
         return self._set(given)
 
@@ -190,38 +185,36 @@ class NodeParameters:
             raise ParameterNotDeclaredException(unknown)
 
     def _set(self, parameters: list[Parameter]) -> _Result:
-        set_parameters_result = message_class("rcl_interfaces/msg/SetParametersResult")
-
         for parameter in parameters:
             descriptor = self._descriptors.get(parameter.name)
             if descriptor is None:
                 continue
             if getattr(descriptor, "read_only", False):
-                text = f"Trying to set a read-only parameter: {parameter.name}."
-                return set_parameters_result(successful=False, reason=text)
+                return _result(f"Trying to set a read-only parameter: {parameter.name}.")
             known = Parameter.Type(descriptor.type)
             is_dynamic = getattr(descriptor, "dynamic_typing", False) or known == Parameter.Type.NOT_SET
             if not is_dynamic and parameter.type_ != known:
-                text = f"Wrong parameter type, expected '{known}' got '{parameter.type_}'"
-                return set_parameters_result(successful=False, reason=text)
-        result = self._asked(parameters, check_callbacks=True)
+                return _result(f"Wrong parameter type, expected '{known}' got '{parameter.type_}'")
+        result = self._asked(parameters)
         if result.successful:
             self._parameters |= {parameter.name: parameter for parameter in parameters}
             for callback in self._post_set:
                 callback(parameters)
         return result
 
-    def _asked(self, parameters: list[Parameter], *, check_callbacks: bool) -> _Result:
-        set_parameters_result = message_class("rcl_interfaces/msg/SetParametersResult")
-
+    def _asked(self, parameters: list[Parameter]) -> _Result:
         for parameter in parameters:
             if reason := _out_of_range(parameter, self._descriptors.get(parameter.name)):
-                return set_parameters_result(successful=False, reason=reason)
+                return _result(reason)
         for callback in list(self._on_set):
             result = callback(parameters)
             if not result.successful:
                 return result
-        return set_parameters_result(successful=True)
+        return _result()
+
+
+def _result(refusal: str = "") -> _Result:
+    return message_class("rcl_interfaces/msg/SetParametersResult")(successful=not refusal, reason=refusal)
 
 
 def _check_types(parameters: Sequence[Parameter]) -> None:

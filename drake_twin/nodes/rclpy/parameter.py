@@ -4,7 +4,7 @@ import array
 from enum import IntEnum
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -36,42 +36,27 @@ class Parameter:
             value = parameter_value
             if value is None:
                 return cls.NOT_SET
-            for kind, single in ((bool, cls.BOOL), (int, cls.INTEGER), (float, cls.DOUBLE), (str, cls.STRING)):
-                if isinstance(value, kind):
-                    return single
+            for kind, of_value in _SINGLE.items():
+                if isinstance(value, of_value):
+                    return kind
             if isinstance(value, array.array):
                 return cls.INTEGER_ARRAY if value.typecode == "q" else cls.DOUBLE_ARRAY
             if isinstance(value, list | tuple):
-                arrays: tuple[tuple[type, Parameter.Type], ...] = (
-                    (bytes, cls.BYTE_ARRAY),
-                    (bool, cls.BOOL_ARRAY),
-                    (int, cls.INTEGER_ARRAY),
-                    (float, cls.DOUBLE_ARRAY),
-                    (str, cls.STRING_ARRAY),
-                )
-                for each, several in arrays:
-                    if all(isinstance(item, each) for item in value):
-                        return several
+                for kind, of_item in _SEVERAL.items():
+                    if all(isinstance(item, of_item) for item in value):
+                        return kind
             raise TypeError("The given value is not one of the allowed types")
 
         def check(self, parameter_value: Any) -> bool:
             """Return whether a value has this type."""
-            value, kind = parameter_value, Parameter.Type
-            single = {kind.BOOL: bool, kind.INTEGER: int, kind.DOUBLE: float, kind.STRING: str}
-            several = {
-                kind.BYTE_ARRAY: bytes,
-                kind.BOOL_ARRAY: bool,
-                kind.INTEGER_ARRAY: int,
-                kind.DOUBLE_ARRAY: float,
-                kind.STRING_ARRAY: str,
-            }
-            if self == kind.NOT_SET:
+            value = parameter_value
+            if self == Parameter.Type.NOT_SET:
                 return value is None
-            if self in single:
+            if self in _SINGLE:
                 is_bool = isinstance(value, bool)
-                return isinstance(value, single[self]) and (self == kind.BOOL or not is_bool)
+                return isinstance(value, _SINGLE[self]) and (self == Parameter.Type.BOOL or not is_bool)
             items = isinstance(value, list | tuple | array.array)
-            return items and all(isinstance(item, several[self]) for item in value)
+            return items and all(isinstance(item, _SEVERAL[self]) for item in value)
 
     def __init__(self, name: str, type_: "Parameter.Type | None" = None, value: Any = None):
         if type_ is None:
@@ -114,6 +99,22 @@ class Parameter:
 
     def __repr__(self) -> str:
         return f"<rclpy.parameter.Parameter: {self._name!r} = {self._value!r}>"
+
+
+# The classes of values, and of the items of lists, in the order in which they are looked for.
+_SINGLE: dict[Parameter.Type, type] = {
+    Parameter.Type.BOOL: bool,
+    Parameter.Type.INTEGER: int,
+    Parameter.Type.DOUBLE: float,
+    Parameter.Type.STRING: str,
+}
+_SEVERAL: dict[Parameter.Type, type] = {
+    Parameter.Type.BYTE_ARRAY: bytes,
+    Parameter.Type.BOOL_ARRAY: bool,
+    Parameter.Type.INTEGER_ARRAY: int,
+    Parameter.Type.DOUBLE_ARRAY: float,
+    Parameter.Type.STRING_ARRAY: str,
+}
 
 
 def parameter_value_to_python(parameter_value: Any) -> Any:

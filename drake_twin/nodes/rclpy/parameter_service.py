@@ -3,13 +3,12 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from math import inf
 from typing import Any
 
-from drake_twin.nodes import interfaces
+from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Offer
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
 from drake_twin.nodes.rclpy.parameter import Parameter
 from drake_twin.nodes.task import present_task
@@ -27,7 +26,7 @@ class ParameterService:
         self._requests: deque[tuple[str, Any, Callable[[Any], None]]] = deque()
         own = node.get_fully_qualified_name()
         self._offers = []
-        for name, kind in _KINDS.items():
+        for name, (kind, _) in _SERVICES.items():
             full, service = node.resolve_service_name(f"~/{name}"), f"rcl_interfaces/srv/{kind}"
             self._offers.append(Offer(full, service, own, partial(self._put, name)))
         for offer in self._offers:
@@ -41,15 +40,13 @@ class ParameterService:
     def is_ready(self) -> bool:
         return bool(self._requests)
 
-    def due(self) -> float:
-        return inf
-
     def execute(self) -> None:
         name, request, reply = self._requests.popleft()
-        service = f"rcl_interfaces/srv/{_KINDS[name]}"
+        kind, answer = _SERVICES[name]
+        service = f"rcl_interfaces/srv/{kind}"
         response = message_class(f"{service}_Response")()
-        _ANSWERS[name](self._node, interfaces.from_wire(f"{service}_Request", request), response)
-        reply(interfaces.to_wire(response))
+        answer(self._node, message_classes.from_wire(f"{service}_Request", request), response)
+        reply(message_classes.to_wire(response))
 
     def destroy(self) -> None:
         for offer in self._offers:
@@ -101,19 +98,11 @@ def _set_together(node: Any, items: list[Any]) -> Any:
         return message_class("rcl_interfaces/msg/SetParametersResult")(successful=False, reason=str(error))
 
 
-_KINDS = {
-    "describe_parameters": "DescribeParameters",
-    "get_parameter_types": "GetParameterTypes",
-    "get_parameters": "GetParameters",
-    "list_parameters": "ListParameters",
-    "set_parameters": "SetParameters",
-    "set_parameters_atomically": "SetParametersAtomically",
-}
-_ANSWERS: dict[str, Callable[[Any, Any, Any], None]] = {
-    "describe_parameters": _describe,
-    "get_parameter_types": _get_types,
-    "get_parameters": _get,
-    "list_parameters": _list,
-    "set_parameters": _set,
-    "set_parameters_atomically": _set_atomically,
+_SERVICES: dict[str, tuple[str, Callable[[Any, Any, Any], None]]] = {
+    "describe_parameters": ("DescribeParameters", _describe),
+    "get_parameter_types": ("GetParameterTypes", _get_types),
+    "get_parameters": ("GetParameters", _get),
+    "list_parameters": ("ListParameters", _list),
+    "set_parameters": ("SetParameters", _set),
+    "set_parameters_atomically": ("SetParametersAtomically", _set_atomically),
 }

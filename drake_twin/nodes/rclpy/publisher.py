@@ -3,7 +3,7 @@
 from collections import deque
 from typing import Any
 
-from drake_twin.nodes import interfaces
+from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Publication
 from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
@@ -15,22 +15,20 @@ class Publisher:
 
     def __init__(self, graph: Graph, msg_type: Any, topic: str, qos_profile: QoSProfile, node: str):
         self.msg_type, self.topic, self.qos_profile = msg_type, topic, qos_profile
+        self.topic_name = topic
         self._graph = graph
         depth = qos_profile.depth if qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL else 0
-        self._publication = Publication(topic, interfaces.type_name(msg_type), node, depth, deque(maxlen=depth or None))
+        kind, latched = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
+        self._publication = Publication(topic, kind, node, depth, latched)
         graph.advertise(self._publication)
         present_task().program.belongings.append(self._publication)
-
-    @property
-    def topic_name(self) -> str:
-        return self.topic
 
     def publish(self, msg: Any) -> None:
         present_task()
         if isinstance(msg, bytes):
             from drake_twin.messages.interface_types import deserialize
 
-            msg = interfaces.from_wire(self._publication.type, deserialize(self._publication.type, msg))
+            msg = message_classes.from_wire(self._publication.type, deserialize(self._publication.type, msg))
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         self._graph.publish(self._publication, msg)

@@ -6,8 +6,8 @@ from typing import Any
 from drake_twin.nodes.rclpy.duration import Duration
 
 
-class QoSPolicyEnum(IntEnum):
-    """Values of a policy."""
+class _ShortKeys(Enum):
+    """What has short names."""
 
     @classmethod
     def short_keys(cls) -> list[str]:
@@ -16,6 +16,10 @@ class QoSPolicyEnum(IntEnum):
     @classmethod
     def get_from_short_key(cls, name: str) -> Any:
         return cls[name.upper()].value
+
+
+class QoSPolicyEnum(_ShortKeys, IntEnum):
+    """Values of a policy."""
 
     @property
     def short_key(self) -> str:
@@ -141,7 +145,7 @@ qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPol
 qos_profile_rosout_default = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class QoSPresetProfiles(Enum):
+class QoSPresetProfiles(_ShortKeys):
     """The profiles by name."""
 
     UNKNOWN = qos_profile_unknown
@@ -153,14 +157,6 @@ class QoSPresetProfiles(Enum):
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
     BEST_AVAILABLE = qos_profile_best_available
-
-    @classmethod
-    def short_keys(cls) -> list[str]:
-        return [name.lower() for name in cls.__members__]
-
-    @classmethod
-    def get_from_short_key(cls, name: str) -> QoSProfile:
-        return cls[name.upper()].value
 
 
 def profile_of(qos: Any) -> QoSProfile:

@@ -4,10 +4,9 @@ import inspect
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
-from math import inf
 from typing import Any
 
-from drake_twin.nodes import interfaces
+from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Reception
 from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
@@ -36,9 +35,10 @@ class Subscription:
     ):
         self.msg_type, self.topic, self.callback = msg_type, topic, callback
         self.callback_group, self.qos_profile, self.raw = callback_group, qos_profile, raw
+        self.topic_name = topic
         self._graph = graph
         self._task: Task = present_task()
-        self._type = interfaces.type_name(msg_type)
+        self._type = message_classes.type_name(msg_type)
         self._messages: deque[tuple[Any, int]] = deque(maxlen=qos_profile.queue_size)
         self._takes_info = _takes_two(callback)
         latched = qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
@@ -46,18 +46,11 @@ class Subscription:
         graph.subscribe(self._reception)
         self._task.program.belongings.append(self._reception)
 
-    @property
-    def topic_name(self) -> str:
-        return self.topic
-
     def _put(self, message: Any) -> None:
         self._messages.append((message, self._task.now))
 
     def is_ready(self) -> bool:
         return bool(self._messages)
-
-    def due(self) -> float:
-        return inf
 
     def execute(self) -> Any:
         message, time = self._messages.popleft()
@@ -66,7 +59,7 @@ class Subscription:
 
             given: Any = serialize(message)
         else:
-            given = interfaces.from_wire(self._type, message)
+            given = message_classes.from_wire(self._type, message)
         if self._takes_info:
             return self.callback(given, {"source_timestamp": time, "received_timestamp": self._task.now})
         return self.callback(given)

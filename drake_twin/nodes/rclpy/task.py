@@ -61,9 +61,6 @@ class Future:
         self._callbacks = [item for item in self._callbacks if item != callback]
         return len(self._callbacks) < count
 
-    def _set_executor(self, executor: Any) -> None:
-        self._executor = executor
-
     @property
     def has_ended(self) -> bool:
         """Whether it is done, without counting the call."""

@@ -1,8 +1,9 @@
 """Stand-in for ``rclpy.time``."""
 
+from functools import total_ordering
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.clock_type import ClockType
 from drake_twin.nodes.rclpy.constants import S_TO_NS
 from drake_twin.nodes.rclpy.duration import Duration
@@ -10,6 +11,7 @@ from drake_twin.nodes.rclpy.duration import Duration
 CONVERSION_CONSTANT = 10**9
 
 
+@total_ordering
 class Time:
     """A point in time in nanoseconds, of a kind of clock."""
 
@@ -66,20 +68,11 @@ class Time:
             return self.nanoseconds == other.nanoseconds
         return False  # as rclpy before Jazzy; there a comparison with something else is an error
 
-    def __ne__(self, other: object) -> bool:
-        return not self == other
-
     def __lt__(self, other: Any) -> Any:
-        return self._compared(other, self.nanoseconds < getattr(other, "nanoseconds", 0))
-
-    def __le__(self, other: Any) -> Any:
-        return self._compared(other, self.nanoseconds <= getattr(other, "nanoseconds", 0))
-
-    def __gt__(self, other: Any) -> Any:
-        return self._compared(other, self.nanoseconds > getattr(other, "nanoseconds", 0))
-
-    def __ge__(self, other: Any) -> Any:
-        return self._compared(other, self.nanoseconds >= getattr(other, "nanoseconds", 0))
+        if not isinstance(other, Time):
+            return NotImplemented
+        self._check_same_clock(other, "compare times")
+        return self.nanoseconds < other.nanoseconds
 
     def to_msg(self) -> Any:
         kind_of_message = message_class("builtin_interfaces/msg/Time")
@@ -92,12 +85,6 @@ class Time:
         if type(msg).__name__ != "Time":
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)
-
-    def _compared(self, other: Any, result: bool) -> Any:
-        if not isinstance(other, Time):
-            return NotImplemented
-        self._check_same_clock(other, "compare times")
-        return result
 
     def _check_same_clock(self, other: "Time", what: str) -> None:
         if self.clock_type != other.clock_type:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rigid_motion import Quaternion, Vector, add, multiply, normalized, rotate
 from drake_twin.nodes.tf2_ros.buffer_interface import ConvertRegistration, TransformRegistration
 

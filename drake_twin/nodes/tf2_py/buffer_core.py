@@ -3,7 +3,7 @@
 from math import fsum, inf, isnan
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.logging import get_logger
 from drake_twin.nodes.rclpy.time import Time
 from drake_twin.nodes.rigid_motion import IDENTITY, Quaternion, Vector, add, inverse, multiply, normalized, rotate
@@ -191,41 +191,34 @@ class BufferCore:
         if target == source:
             return _NO_MOTION, time
         time = time or self._latest_common_time(target, source)
-        up, down = _NO_MOTION, _NO_MOTION
-        frame, failed = source, None
-        for _ in range(_MOST_PARENTS + 1):
-            cache = self._frames.get(frame)
-            if cache is None:
-                break
-            try:
-                stored = cache.at(time)
-            except ExtrapolationException as error:
-                failed = error  # there may still be a path from source to target
-                break
-            if frame == target:
-                return up, time
-            up = _then(up, (stored.translation, stored.rotation))
-            frame = stored.parent
-        else:
-            raise self._loop()
-        top, frame = frame, target
-        for _ in range(_MOST_PARENTS + 1):
-            cache = self._frames.get(frame)
-            if frame == top or cache is None:
-                break
-            try:
-                stored = cache.at(time)
-            except ExtrapolationException as error:
-                raise _between(error, target, source) from None
-            if frame == source:
-                return _inverse(down), time
-            down = _then(down, (stored.translation, stored.rotation))
-            frame = stored.parent
-        else:
-            raise self._loop()
-        if frame != top:
+        up, top, failed = self._climb(source, (target,), time)  # there may still be a path from source to target
+        if top == target:
+            return up, time
+        down, end, error = self._climb(target, (top, source), time)
+        if error is not None:
+            raise _between(error, target, source)
+        if end == source:
+            return _inverse(down), time
+        if end != top:
             raise _unconnected(target, source) if failed is None else _between(failed, target, source)
         return _then(up, _inverse(down)), time
+
+    def _climb(
+        self, frame: str, ends: tuple[str, ...], time: int
+    ) -> tuple[_Motion, str, ExtrapolationException | None]:
+        """Return the motion from a frame up to one of the ends or as far as it is known, the frame there, an error."""
+        motion = _NO_MOTION
+        for _ in range(_MOST_PARENTS + 1):
+            cache = self._frames.get(frame)
+            if frame in ends or cache is None:
+                return motion, frame, None
+            try:
+                stored = cache.at(time)
+            except ExtrapolationException as error:
+                return motion, frame, error
+            motion = _then(motion, (stored.translation, stored.rotation))
+            frame = stored.parent
+        raise self._loop()
 
     def _latest_common_time(self, target: str, source: str) -> int:
         """Return the latest time (ns) of all transforms between two frames; zero if all are static."""

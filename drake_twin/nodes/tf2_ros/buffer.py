@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from drake_twin.nodes.interfaces import service_class
+from drake_twin.nodes.message_classes import service_class
 from drake_twin.nodes.rclpy.clock import Clock, JumpThreshold
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.logging import get_logger
@@ -40,16 +40,6 @@ class Buffer(BufferCore, BufferInterface):
         """Forget all transforms after a jump back in time."""
         get_logger("tf2_buffer").warning("Detected jump back in time. Clearing tf buffer.")
         self.clear()
-
-    def set_transform(self, transform: Any, authority: str) -> None:
-        """Add a ``TransformStamped``."""
-        super().set_transform(transform, authority)
-        self._call_back()
-
-    def set_transform_static(self, transform: Any, authority: str) -> None:
-        """Add a ``TransformStamped`` that holds at all times."""
-        super().set_transform_static(transform, authority)
-        self._call_back()
 
     def lookup_transform(self, target_frame: str, source_frame: str, time: Any, timeout: Any = None) -> Any:
         """Return the ``TransformStamped`` that takes data of the source frame into the target frame.
@@ -153,7 +143,8 @@ class Buffer(BufferCore, BufferInterface):
         look()
         return future
 
-    def _call_back(self) -> None:
+    def _insert(self, transform: Any, authority: str, *, is_static: bool) -> None:
+        super()._insert(transform, authority, is_static=is_static)
         for callback in tuple(self._new_data_callbacks):
             callback()
 

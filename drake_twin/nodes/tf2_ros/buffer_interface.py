@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 
 __all__ = [
     "BufferInterface",
@@ -69,35 +69,19 @@ class BufferInterface:
         )
         return _converted(do_transform(object_stamped, found), new_type)
 
-    def lookup_transform(self, target_frame: str, source_frame: str, time: Any, timeout: Any = None) -> Any:
-        """Return the transform between two frames."""
+    def lookup_transform(self, *where: Any, **options: Any) -> Any:
+        """Return the transform between two frames; see `Buffer` for the arguments of this and the next three."""
         raise NotImplementedException
 
-    def lookup_transform_full(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-        timeout: Any = None,
-    ) -> Any:
+    def lookup_transform_full(self, *where: Any, **options: Any) -> Any:
         """Return the transform between two frames at two times."""
         raise NotImplementedException
 
-    def can_transform(self, target_frame: str, source_frame: str, time: Any, timeout: Any = None) -> Any:
+    def can_transform(self, *where: Any, **options: Any) -> Any:
         """Return whether there is a transform."""
         raise NotImplementedException
 
-    def can_transform_full(
-        self,
-        target_frame: str,
-        target_time: Any,
-        source_frame: str,
-        source_time: Any,
-        fixed_frame: str,
-        timeout: Any = None,
-    ) -> Any:
+    def can_transform_full(self, *where: Any, **options: Any) -> Any:
         """Return whether there is a transform."""
         raise NotImplementedException
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 from drake_twin.nodes.tf2_ros.transform_broadcaster import as_list
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.qos import QoSProfile
 
 __all__ = ["TransformBroadcaster"]

@@ -3,7 +3,7 @@
 from threading import Thread
 from typing import Any
 
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.callback_groups import ReentrantCallbackGroup
 from drake_twin.nodes.rclpy.executors import SingleThreadedExecutor
 from drake_twin.nodes.rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile

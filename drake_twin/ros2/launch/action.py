@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 from typing import Any, ClassVar
 
-from drake_twin.ros2.launch.conditions.if_condition import IfCondition
-from drake_twin.ros2.launch.conditions.unless_condition import UnlessCondition
+from drake_twin.ros2.launch.conditions.if_condition import IfCondition, UnlessCondition
 from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed
 from drake_twin.ros2.launch.frontend.parser import Parser

@@ -1,5 +1,6 @@
 """What is known at one moment of a launch: configurations, the file at hand, what has started."""
 
+import os
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -82,7 +83,7 @@ class LaunchContext:
     @property
     def environment(self) -> MutableMapping[str, str]:
         """The environment variables."""
-        return self.scopes.environment
+        return os.environ
 
     @property
     def is_shutdown(self) -> bool:

@@ -70,7 +70,6 @@ class MoveItConfigsBuilder(ParameterBuilder):
 
     def __init__(self, robot_name: str, robot_description: str = "robot_description", package_name: str | None = None):
         super().__init__(package_name or f"{robot_name}_moveit_config")
-        self._robot_name = robot_name
         self._description = robot_description
         self._configs = MoveItConfigs(package_path=self._package_path)
         self._urdf = self._package_path / "config" / f"{robot_name}.urdf"

@@ -9,33 +9,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "concatenate_matrices",
-    "euler_from_matrix",
-    "euler_from_quaternion",
-    "euler_matrix",
-    "identity_matrix",
-    "inverse_matrix",
-    "is_same_transform",
-    "quaternion_about_axis",
-    "quaternion_conjugate",
-    "quaternion_from_euler",
-    "quaternion_from_matrix",
-    "quaternion_inverse",
-    "quaternion_matrix",
-    "quaternion_multiply",
-    "quaternion_slerp",
-    "random_quaternion",
-    "random_rotation_matrix",
-    "random_vector",
-    "rotation_from_matrix",
-    "rotation_matrix",
-    "translation_from_matrix",
-    "translation_matrix",
-    "unit_vector",
-    "vector_norm",
-]
-
 _Array = Any  # a NumPy array
 _Numbers = Any  # a sequence of numbers, or an array
 _Quaternion = tuple[float, float, float, float]

@@ -3,12 +3,12 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from math import inf
+from types import SimpleNamespace
 from typing import Any
 
-from drake_twin.nodes import interfaces
+from drake_twin.nodes import message_classes
 from drake_twin.nodes.action_graph import ACCEPTED, CANCELING, NO_ERROR, UNKNOWN
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.simulated_time import wait_until
 from drake_twin.nodes.task import present_task
@@ -46,19 +46,15 @@ class ClientGoalHandle:
     """A goal that a server has answered."""
 
     def __init__(self, action_client: "ActionClient", goal_id: Any, goal_response: Any, future: Future):
-        self._action_client, self._goal_id, self._goal_response = action_client, goal_id, goal_response
-        self._status = ACCEPTED if goal_response.accepted else UNKNOWN
+        self._action_client, self.goal_id, self._goal_response = action_client, goal_id, goal_response
+        self.status = ACCEPTED if goal_response.accepted else UNKNOWN
         self._future = future
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ClientGoalHandle) and self._goal_id == other._goal_id
+        return isinstance(other, ClientGoalHandle) and self.goal_id == other.goal_id
 
     def __hash__(self) -> int:
         return id(self)
-
-    @property
-    def goal_id(self) -> Any:
-        return self._goal_id
 
     @property
     def stamp(self) -> Any:
@@ -67,10 +63,6 @@ class ClientGoalHandle:
     @property
     def accepted(self) -> bool:
         return bool(self._goal_response.accepted)
-
-    @property
-    def status(self) -> int:
-        return self._status
 
     def cancel_goal(self) -> Any:
         return self._action_client.waited(self.cancel_goal_async())
@@ -86,11 +78,6 @@ class ClientGoalHandle:
         future = Future()
         self._future.add_done_callback(lambda done: future.set_result(done.result()))
         return future
-
-
-class _GoalResponse:
-    def __init__(self, accepted: bool, stamp: Any):
-        self.accepted, self.stamp = accepted, stamp
 
 
 class _Goal:
@@ -113,21 +100,20 @@ class _Goal:
 
     def _answered(self, is_accepted: bool) -> None:
         stamp = self._client.node.get_clock().now().to_msg()
-        self.handle = ClientGoalHandle(
-            self._client, self._goal_id, _GoalResponse(is_accepted, stamp), self.result_future
-        )
+        response = SimpleNamespace(accepted=is_accepted, stamp=stamp)
+        self.handle = ClientGoalHandle(self._client, self._goal_id, response, self.result_future)
         self.accepted_future.set_result(self.handle)
 
     def _heard(self, feedback: Any) -> Any:
         assert self._feedback is not None
         name = f"{self._client.type}_Feedback"
-        return self._feedback(FeedbackMessage(self._goal_id, interfaces.from_wire(name, feedback)))
+        return self._feedback(FeedbackMessage(self._goal_id, message_classes.from_wire(name, feedback)))
 
     def _ended(self, status: int, result: Any) -> None:
         kind = self._client.action_type.Result
-        message = kind() if result is None else interfaces.from_wire(f"{self._client.type}_Result", result)
+        message = kind() if result is None else message_classes.from_wire(f"{self._client.type}_Result", result)
         if self.handle is not None:
-            self.handle._status = status
+            self.handle.status = status
         self.result_future.set_result(GetResultResponse(status, message))
 
 
@@ -150,7 +136,7 @@ class ActionClient:
         self.node, self.action_type = node, action_type
         self.callback_group = callback_group or node.default_callback_group
         self.name = node.resolve_service_name(action_name)
-        self.type = interfaces.type_name(action_type)
+        self.type = message_classes.type_name(action_type)
         self._events: deque[Callable[[], Any]] = deque()
         self._actions = node.actions
         self._count = 0
@@ -162,9 +148,6 @@ class ActionClient:
 
     def is_ready(self) -> bool:
         return bool(self._events)
-
-    def due(self) -> float:
-        return inf
 
     def execute(self) -> Any:
         return self._events.popleft()()
@@ -182,7 +165,7 @@ class ActionClient:
             raise TypeError(f"Expected {self.action_type.Goal}, got {type(goal)}")
         goal_id = goal_uuid or new_goal_id(task.program.rclpy, task.program.index)
         sent = _Goal(self, goal_id, feedback_callback)
-        self._actions.send(self.name, self.type, bytes(goal_id.uuid), interfaces.to_wire(goal), sent)
+        self._actions.send(self.name, self.type, bytes(goal_id.uuid), message_classes.to_wire(goal), sent)
         return sent.accepted_future
 
     def cancel(self, handle: ClientGoalHandle) -> Future:
@@ -205,11 +188,9 @@ class ActionClient:
         return bool(self._actions.is_there(self.name, self.type))
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
-        def ready() -> bool:
-            return bool(self._actions.is_there(self.name, self.type))
-
+        ready = partial(self._actions.is_there, self.name, self.type)
         wait_until(present_task(), lambda: ready() or not self.node.context.is_valid, timeout_sec)
-        return ready()
+        return bool(ready())
 
     def destroy(self) -> None:
         self.node.remove_waitable(self)
@@ -228,6 +209,6 @@ def _cancel_response(code: int, handle: ClientGoalHandle) -> Any:
     response = message_class("action_msgs/srv/CancelGoal_Response")
 
     if code == NO_ERROR:
-        handle._status = CANCELING
+        handle.status = CANCELING
     goals = [goal_info(goal_id=handle.goal_id, stamp=handle.stamp)] if code == NO_ERROR else []
     return response(return_code=code, goals_canceling=goals)

@@ -5,10 +5,9 @@ from collections import deque
 from collections.abc import Callable
 from enum import Enum
 from functools import partial
-from math import inf
 from typing import Any
 
-from drake_twin.nodes import interfaces
+from drake_twin.nodes import message_classes
 from drake_twin.nodes.action_graph import (
     ABORTED,
     ACCEPTED,
@@ -23,7 +22,7 @@ from drake_twin.nodes.action_graph import (
     UNKNOWN_GOAL,
     GoalListener,
 )
-from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.task import present_task
 
 
@@ -51,12 +50,8 @@ class ServerGoalHandle:
     """A goal that a server has accepted."""
 
     def __init__(self, action_server: "ActionServer", key: bytes, request: Any, listener: GoalListener):
-        self._server, self._key, self._request, self._listener = action_server, key, request, listener
-        self._status = ACCEPTED
-
-    @property
-    def request(self) -> Any:
-        return self._request
+        self._server, self._key, self.request, self._listener = action_server, key, request, listener
+        self.status = ACCEPTED
 
     @property
     def goal_id(self) -> Any:
@@ -66,20 +61,16 @@ class ServerGoalHandle:
 
     @property
     def is_active(self) -> bool:
-        return self._status in (ACCEPTED, EXECUTING, CANCELING)
+        return self.status in (ACCEPTED, EXECUTING, CANCELING)
 
     @property
     def is_cancel_requested(self) -> bool:
         present_task()
-        return self._status == CANCELING
-
-    @property
-    def status(self) -> int:
-        return self._status
+        return self.status == CANCELING
 
     def execute(self, execute_callback: Callable[[Any], Any] | None = None) -> None:
         if not self.is_cancel_requested:
-            self._status = EXECUTING
+            self.status = EXECUTING
         self._server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
@@ -87,7 +78,7 @@ class ServerGoalHandle:
         kind = self._server.action_type.Feedback
         if not isinstance(feedback, kind):
             raise TypeError(f"Expected {kind}, got {type(feedback)}")
-        self._server.post(partial(self._listener.heard, interfaces.to_wire(feedback)))
+        self._server.post(partial(self._listener.heard, message_classes.to_wire(feedback)))
 
     def succeed(self) -> None:
         self._end(SUCCEEDED)
@@ -102,15 +93,15 @@ class ServerGoalHandle:
         self._server.forget(self._key)
 
     def _end(self, status: int) -> None:
-        if not self.is_active or (status == CANCELED and self._status != CANCELING):
+        if not self.is_active or (status == CANCELED and self.status != CANCELING):
             raise RuntimeError("Failed to update goal state: goal_handle attempted invalid transition")
-        self._status = status
+        self.status = status
 
     def _request_cancel(self) -> None:
-        self._status = CANCELING
+        self.status = CANCELING
 
     def _tell(self, result: Any) -> None:
-        self._server.post(partial(self._listener.ended, self._status, interfaces.to_wire(result)))
+        self._server.post(partial(self._listener.ended, self.status, message_classes.to_wire(result)))
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
@@ -150,7 +141,7 @@ class ActionServer:
             raise TypeError("Failed to register goal execution callback: not callable")
         self.action_type, self.callback_group = action_type, callback_group or node.default_callback_group
         self.name, self.node = node.resolve_service_name(action_name), node.get_fully_qualified_name()
-        self.type = interfaces.type_name(action_type)
+        self.type = message_classes.type_name(action_type)
         self._ros_node = node
         self._execute_callback, self._goal_callback = execute_callback, goal_callback
         self._accepted_callback, self._cancel_callback = handle_accepted_callback, cancel_callback
@@ -178,9 +169,6 @@ class ActionServer:
     def is_ready(self) -> bool:
         return bool(self._events)
 
-    def due(self) -> float:
-        return inf
-
     async def _awaited(self, found: Any) -> Any:
         return await found if inspect.isawaitable(found) else found
 
@@ -188,7 +176,7 @@ class ActionServer:
         return self._events.popleft()()
 
     async def _take_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
-        request = interfaces.from_wire(f"{self.type}_Goal", goal)
+        request = message_classes.from_wire(f"{self.type}_Goal", goal)
         is_accepted = key not in self._handles and (
             await self._awaited(self._goal_callback(request)) == GoalResponse.ACCEPT
         )

@@ -1,4 +1,4 @@
-"""Registers an event handler."""
+"""Registers and removes event handlers."""
 
 from typing import Any
 
@@ -20,3 +20,15 @@ class RegisterEventHandler(Action):
     def describe_conditional_sub_entities(self) -> list[tuple[str, list[Any]]]:
         """Return what the handler visits."""
         return [("the event", list(getattr(self.event_handler, "entities", ())))]
+
+
+class UnregisterEventHandler(Action):
+    """Removes an event handler."""
+
+    def __init__(self, event_handler: Any, **kwargs: Any):
+        super().__init__(**kwargs)
+        self.event_handler = event_handler
+
+    def execute(self, context: LaunchContext) -> None:
+        """Remove the handler."""
+        context.unregister_event_handler(self.event_handler)

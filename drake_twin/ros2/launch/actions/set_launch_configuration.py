@@ -1,4 +1,4 @@
-"""Sets a launch configuration."""
+"""Sets and removes launch configurations."""
 
 from typing import Any
 
@@ -25,3 +25,15 @@ class SetLaunchConfiguration(Action):
         """Set the configuration."""
         name, value = context.perform_substitution(self.name), context.perform_substitution(self.value)
         context.launch_configurations[name] = value
+
+
+class UnsetLaunchConfiguration(Action):
+    """Removes a launch configuration."""
+
+    def __init__(self, name: SomeSubstitutionsType, **kwargs: Any):
+        super().__init__(**kwargs)
+        self.name = normalize_to_list_of_substitutions(name)
+
+    def execute(self, context: LaunchContext) -> None:
+        """Remove the configuration."""
+        context.launch_configurations.pop(context.perform_substitution(self.name), None)

@@ -1,4 +1,4 @@
-"""A condition that holds if its text says true."""
+"""Conditions that hold if their text says true, or false."""
 
 from drake_twin.ros2.launch.condition import Condition
 from drake_twin.ros2.launch.conditions.evaluate_condition_expression_impl import evaluate_condition_expression
@@ -19,3 +19,11 @@ class IfCondition(Condition):
     def evaluate(self, context: LaunchContext) -> bool:
         """Return whether the text says true."""
         return evaluate_condition_expression(context, self._expression)
+
+
+class UnlessCondition(IfCondition):
+    """Holds if its text says false (or 0)."""
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Return whether the text says false."""
+        return not super().evaluate(context)

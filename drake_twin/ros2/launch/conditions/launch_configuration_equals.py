@@ -1,4 +1,4 @@
-"""A condition that holds if a launch configuration has a value."""
+"""Conditions that hold if a launch configuration has a value, or another one."""
 
 from drake_twin.ros2.launch.condition import Condition
 from drake_twin.ros2.launch.launch_context import LaunchContext
@@ -18,3 +18,11 @@ class LaunchConfigurationEquals(Condition):
         value = context.launch_configurations.get(self._name)
         expected = None if self._expected is None else context.perform_substitution(self._expected)
         return bool(value == expected)
+
+
+class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
+    """Holds if a launch configuration has another value."""
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Return whether the configuration has another value."""
+        return not super().evaluate(context)

@@ -3,6 +3,8 @@
 from typing import Any
 
 from drake_twin.ros2.launch.event_handler import EventHandler
+from drake_twin.ros2.launch.events.execution_complete import ExecutionComplete
+from drake_twin.ros2.launch.events.process import ProcessExited, ProcessIO, ProcessStarted
 
 
 class OnActionEventBase(EventHandler):
@@ -29,3 +31,47 @@ class OnActionEventBase(EventHandler):
         target = self._target
         described = "any process" if target is None else getattr(target, "what", None) or getattr(target, "place", "")
         return f"{type(self).__name__} of {described}"
+
+
+class OnExecutionComplete(OnActionEventBase):
+    """Waits until an action has been executed."""
+
+    waits_for = ExecutionComplete
+
+    def __init__(self, *, target_action: Any = None, on_completion: Any = None, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_completion, **more)
+
+
+class OnProcessStart(OnActionEventBase):
+    """Waits until a process has started."""
+
+    waits_for = ProcessStarted
+
+    def __init__(self, *, target_action: Any = None, on_start: Any = None, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_start, **more)
+
+
+class OnProcessExit(OnActionEventBase):
+    """Waits until a process has ended."""
+
+    waits_for = ProcessExited
+
+    def __init__(self, *, target_action: Any = None, on_exit: Any = None, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_exit, **more)
+
+
+class OnProcessIO(OnActionEventBase):
+    """Waits for text of a process, which never comes: the twin starts no process."""
+
+    waits_for = ProcessIO
+
+    def __init__(
+        self,
+        *,
+        target_action: Any = None,
+        on_stdin: Any = None,
+        on_stdout: Any = None,
+        on_stderr: Any = None,
+        **more: Any,
+    ):
+        super().__init__(action_matcher=target_action, on_event=on_stdout or on_stderr or on_stdin, **more)

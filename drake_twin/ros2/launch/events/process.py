@@ -4,24 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 from drake_twin.ros2.launch.event import Event
-from drake_twin.ros2.launch.events.matchers import matches_action
-
-__all__ = [
-    "ProcessExited",
-    "ProcessIO",
-    "ProcessStarted",
-    "ProcessStderr",
-    "ProcessStdin",
-    "ProcessStdout",
-    "ProcessTargetedEvent",
-    "RunningProcessEvent",
-    "ShutdownProcess",
-    "SignalProcess",
-    "matches_action",
-    "matches_executable",
-    "matches_name",
-    "matches_pid",
-]
 
 
 class RunningProcessEvent(Event):

@@ -1,4 +1,4 @@
-"""Whether two texts are equal."""
+"""Whether two texts are equal, or differ."""
 
 import math
 from typing import Any
@@ -35,3 +35,12 @@ class EqualsSubstitution(Substitution):
             return math.isclose(float(left), float(right))
         except ValueError:
             return left == right
+
+
+@expose_substitution("not-equals")
+class NotEqualsSubstitution(EqualsSubstitution):
+    """``true`` if two texts, numbers or truth values differ."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return ``true`` or ``false``."""
+        return text_of(not self.equal(context))
