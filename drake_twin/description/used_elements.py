@@ -96,7 +96,6 @@ URDF = _part(
     ),
 )
 
-_XYZ = _part("expressed_in", x=_TEXT, y=_TEXT, z=_TEXT)
 _POSE = _part("relative_to rotation_format degrees frame")
 _SDF_GEOMETRY = _part(
     box=_part(size=_TEXT),
