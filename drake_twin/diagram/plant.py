@@ -3,11 +3,10 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 from pydrake.geometry import SceneGraph
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import ModelInstanceIndex, PrismaticSpring, RevoluteSpring
@@ -154,11 +153,6 @@ def add_plant(
     return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable)
 
 
-def rigid_transform(pose: Pose) -> RigidTransform:
-    """Return a pose as Drake's transform."""
-    return RigidTransform(RollPitchYaw(*pose.rpy), np.array(pose.xyz))
-
-
 @contextmanager
 def _drakes_refusal(what: str, plan: RobotPlan | None = None) -> Iterator[None]:
     """Convert what Drake raises to an error for the user; some of its checks raise SystemExit."""
@@ -193,12 +187,8 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     if plan.description.base_joints:
         add_planar_joints(plant, plant.GetBodyByName(plan.model.root_body, instance), plan.spawn_pose)
     for joint in plan.description.actuated_joints:
-        limit = joint.limits.effort
-        actuator = plant.AddJointActuator(
-            joint.name,
-            plant.GetJointByName(joint.name, instance),
-            limit if isfinite(limit) else float("inf"),
-        )
+        moved = plant.GetJointByName(joint.name, instance)
+        actuator = plant.AddJointActuator(joint.name, moved, joint.limits.effort)
         if joint.armature:
             actuator.set_default_rotor_inertia(joint.armature)
     for joint in plan.description.movable_joints:
@@ -214,7 +204,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
                 brake.set_default_rotor_inertia(joint.armature)  # Drake uses that of a joint's last actuator alone
     if plan.model.is_fixed:
         root = plant.GetBodyByName(plan.model.root_body, instance)
-        plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))
+        plant.WeldFrames(plant.world_frame(), root.body_frame(), plan.spawn_pose.transform())
     return instance
 
 
@@ -270,7 +260,7 @@ def _contact_models(
             plan.name,
             (instances[plan.name],),
             plan.robot.contact,
-            rigid_transform(plan.spawn_pose),
+            plan.spawn_pose.transform(),
             colliding := _colliding_links(plan),
             plan.robot.friction,
             folded={} if colliding == set() else _folded(plan),
@@ -353,7 +343,7 @@ def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotP
         start = plant.GetBodyByName(drake_link_name(link), instance).floating_positions_start()
         free[every.index(start)] = Pose(plan.robot.xyz, plan.robot.rpy).compose(pose)
     for position, pose in free.items():
-        X_WB = rigid_transform(pose)
+        X_WB = pose.transform()
         q[position:][:4] = X_WB.rotation().ToQuaternion().wxyz()
         q[position:][4:7] = X_WB.translation()
     plant.SetDefaultPositions(instance, q)
