@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from drake_twin.description.meshes import MOST_DRAWN, mesh_faults, mesh_for_mjcf, visual_mesh
+from drake_twin.findings import first_of
 
 _MOST_NAMED = 3
 
@@ -62,8 +63,7 @@ def said_of_hulls(files: Iterable[Path]) -> Iterator[str]:
     found = {file.name: mesh_faults(file) for file in files}
     faulty = [f"{name} ({', '.join(each.of_surface())})" for name, each in found.items() if each.is_poor_surface]
     if faulty:
-        more = f" and {len(faulty) - _MOST_NAMED} more" if len(faulty) > _MOST_NAMED else ""
-        named = "; ".join(faulty[:_MOST_NAMED]) + more
+        named = first_of(faulty, _MOST_NAMED, "; ")
         yield f"convex hulls collide in place of faulty meshes, as of sound ones: {named}"
 
 

@@ -12,7 +12,7 @@ from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, Multibody
 from pydrake.multibody.tree import ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_drive import ROLLER_WHEELS
@@ -28,7 +28,7 @@ from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake,
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
-from drake_twin.diagram.world_in_plant import add_world
+from drake_twin.diagram.world_in_plant import add_world, remove_actuators
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.kinematics.state_layout import StateLayout
@@ -159,8 +159,9 @@ def _drakes_refusal(what: str, plan: RobotPlan | None = None) -> Iterator[None]:
     try:
         yield
     except DRAKE_RAISES as error:
-        reason = without_literal(" ".join(str(error).split())) or "no reason given"
-        refused = InputError(f"Drake refuses {what}: {reason}", file=None if plan is None else plan.description.file)
+        refused = InputError(
+            f"Drake refuses {what}: {reason_of(error)}", file=None if plan is None else plan.description.file
+        )
         if plan is not None and plan.model.drake_format == "sdf":
             refused = with_place(refused, XmlReader(plan.description.text, plan.description.file))
         raise refused from None
@@ -170,11 +171,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     with captured_warnings() as messages:
         (instance,) = _parse(plant, plan)
     texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
-    # Drake's parser actuates an SDF's joints; here only commanded joints have an actuator. (With an instance as
-    # argument, the plant lists its actuators only once it is finalized.)
-    for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
-        if actuator.model_instance() == instance:
-            plant.RemoveJointActuator(actuator)
+    remove_actuators(plant, [instance])  # here only commanded joints have one
     plant.set_gravity_enabled(instance, plan.model.falls)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     stays = plan.model.is_fixed or not plan.model.falls

@@ -8,6 +8,7 @@ from lxml import etree
 from drake_twin.description.repairs import Mended, repair
 from drake_twin.description.robot_description import MOVABLE_JOINT_TYPES
 from drake_twin.description.xml_reader import XmlReader, described
+from drake_twin.findings import first_of
 from drake_twin.values import number_or_none
 
 _MOST_NAMED = 6  # joints in a sentence
@@ -118,10 +119,11 @@ def velocity_limit(reader: XmlReader) -> Mended:
             found.setdefault(velocity, []).append(joint)
     for velocity, joints in found.items():
         names = [joint.get("name", "") for joint in joints]
-        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         why = "at which Gazebo holds a joint still" if velocity == 0 else "below zero"
-        named = f"joint {', '.join(names[:_MOST_NAMED])}{more}"
-        yield joints[0], f"{named}: the velocity limit is {velocity:g}, {why}: it has no limit"
+        yield (
+            joints[0],
+            f"joint {first_of(names, _MOST_NAMED)}: the velocity limit is {velocity:g}, {why}: it has no limit",
+        )
 
 
 @repair("mimic")
