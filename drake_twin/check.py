@@ -78,14 +78,14 @@ def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = 
     Raises:
         InputError: If a package folder does not exist.
     """
-    from drake_twin.builder.robot_file import robot_file_scenario
+    from drake_twin.builder.robot_file import planned_robots
     from drake_twin.description.package_index import PackageIndex
     from drake_twin.twin.twin import Twin
 
     packages = PackageIndex(package_paths)
     try:
         resolved = packages.resolve(file)
-        twin = Twin(robot_file_scenario(resolved, xacro_args=xacro_args, package_paths=package_paths))
+        twin = Twin(planned_robots(resolved, xacro_args=xacro_args, package_paths=package_paths).scenario)
         twin.step(_STEPS)
     except TwinError as error:
         return Report(file, ok=False, error=str(error), robot={}, findings=())
@@ -248,12 +248,12 @@ def _view(
     open_browser: bool,
 ) -> None:
     """Show a robot file with a slider for each joint, without physics, until a signal arrives."""
-    from drake_twin.builder.robot_file import robot_file_scenario
+    from drake_twin.builder.robot_file import planned_robots
     from drake_twin.cockpit.served_page import ServedPage
     from drake_twin.twin.twin import Twin
 
     page = ServedPage()
-    twin = Twin(robot_file_scenario(file, xacro_args=xacro_args, package_paths=package_paths))
+    twin = Twin(planned_robots(file, xacro_args=xacro_args, package_paths=package_paths).scenario)
     cockpit = page.show(twin, only_displayed=True)
     announce_page(page.url, open_browser=open_browser)
     while not stopped:

@@ -1,7 +1,7 @@
 """What became of each part of the files that a twin is built from, where it was not simply used."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import PurePath
@@ -144,14 +144,17 @@ def about_models(found: Mapping[Finding, Mapping[str, Place]]) -> Iterator[Findi
         found: Each finding, without a place, with the models that it is about and where these are.
     """
     for finding, models in found.items():
-        first = ", ".join(list(models)[:_MOST_MODELS])
-        more = f" and {len(models) - _MOST_MODELS} more" if len(models) > _MOST_MODELS else ""
+        what = f"{first_of(models, _MOST_MODELS)}: {finding.what}"
         yield from merged(
-            Finding.at(
-                finding.kind, f"{first}{more}: {finding.what}", place, weight=finding.weight, cause=finding.cause
-            )
+            Finding.at(finding.kind, what, place, weight=finding.weight, cause=finding.cause)
             for place in models.values()
         )
+
+
+def first_of(names: Collection[str], most: int, separator: str = ", ") -> str:
+    """Return the first names as text, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return separator.join(list(names)[:most]) + more
 
 
 def merged(findings: Iterable[Finding]) -> Iterator[Finding]:

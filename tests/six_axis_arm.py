@@ -1,6 +1,6 @@
 """An arm with six joints, and the parameters of upstream's tests of admittance_controller."""
 
-from math import pi
+from math import nan, pi
 from typing import Any
 
 from drake_twin.description.robot_description import HardwareSensor, HardwareSystem, Joint, Pose, RobotDescription
@@ -10,7 +10,7 @@ JOINTS = tuple(f"joint{number}" for number in range(1, 7))
 _AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
 _ORIGINS = ((0.0, 0.0, 0.4), (0.03, 0.0, 0.0), (0.0, 0.0, 0.3), (0.0, 0.0, 0.04), (0.32, 0.0, 0.0), (0.08, 0.0, 0.0))
 _LINKS = ("base_link", *(f"link_{number}" for number in range(1, 7)))
-_WRENCH = tuple(f"{vector}.{axis}" for vector in ("force", "torque") for axis in "xyz")
+_WRENCH = {f"{vector}.{axis}": nan for vector in ("force", "torque") for axis in "xyz"}
 
 ARM = RobotDescription(
     name="arm",

@@ -14,7 +14,7 @@ from conftest import CORPUS
 from ledger import Robot, misspelt_in_silence, used_for_nothing
 
 from drake_twin import Twin
-from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.builder.robot_file import planned_robots
 from drake_twin.cockpit.scene import TWIN, Scene
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
@@ -34,7 +34,7 @@ ROBOTS = [pytest.param(file, id=file.stem, marks=() if file.stem in SAMPLE else 
 
 
 def twin_of(file):
-    return Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
+    return Twin(planned_robots(file, xacro_args={}, package_paths=[str(SHARE)]).scenario)
 
 
 @needs_data
@@ -45,7 +45,7 @@ def test_the_collection_is_whole():
 @needs_data
 @pytest.mark.parametrize("file", ROBOTS)
 def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertias_are_the_files_own(file):
-    twin = Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
+    twin = Twin(planned_robots(file, xacro_args={}, package_paths=[str(SHARE)]).scenario)
     scene = Scene()
     scene.draw(twin)
     (plan,) = twin.built.plans

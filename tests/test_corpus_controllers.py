@@ -8,7 +8,7 @@ import yaml
 from conftest import CORPUS
 from test_corpus import whole_robots
 
-from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.builder.robot_file import planned_robots
 from drake_twin.controllers.registry import controller_class, controller_types
 from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.package_index import PackageIndex
@@ -95,9 +95,9 @@ def test_each_controller_of_a_type_that_the_twin_has_is_read_with_its_parameters
 def test_each_controller_of_a_robot_that_names_a_parameters_file_is_active_or_says_why_not(file):
     if "rosbot_xl" in file.name:  # its parts come from a package that is not in the corpus
         with pytest.raises(InputError, match="package 'ros_components_description' was not found in"):
-            robot_file_scenario(file, xacro_args={})
+            planned_robots(file, xacro_args={})
         return
-    scenario = robot_file_scenario(file, xacro_args={})
+    scenario = planned_robots(file, xacro_args={}).scenario
     (robot,) = scenario.robots
     plan = plan_robot(robot, PackageIndex(scenario.package_paths))
     if not plan.description.controller_files:
@@ -137,7 +137,7 @@ def test_each_controller_of_a_robot_that_names_a_parameters_file_is_active_or_sa
 )
 def test_the_controllers_that_a_demo_starts_are_active_on_its_robot(example, robot, parameters, active):
     folder = CORPUS / "ros2_control_demos" / f"example_{example}"
-    scenario = robot_file_scenario(folder / "description" / "urdf" / f"{robot}.urdf.xacro", xacro_args={})
+    scenario = planned_robots(folder / "description" / "urdf" / f"{robot}.urdf.xacro", xacro_args={}).scenario
     with_controllers = replace(
         scenario.robots[0],
         controllers=(str(folder / "bringup" / "config" / f"{parameters}.yaml"),),

@@ -15,18 +15,6 @@ from drake_twin.scenario import Robot, Scenario, name_in_twin
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
 
 
-def robot_file_scenario(
-    file: Path,
-    count: int | None = None,
-    *,
-    xacro_args: Mapping[str, str],
-    package_paths: Sequence[str] = (),
-    time_step: float = 0.001,
-) -> Scenario:
-    """Return the scenario of `planned_robots`."""
-    return planned_robots(file, count, xacro_args=xacro_args, package_paths=package_paths, time_step=time_step).scenario
-
-
 @dataclass(frozen=True)
 class PlannedScenario:
     """A scenario, and the plans of those of its robots that are already planned."""
@@ -61,7 +49,7 @@ def planned_robots(
     """
     packages = PackageIndex(package_paths)
     if count is None:
-        names = [_own_name(file, xacro_args, packages)]
+        names = [name_in_twin(robot_name_in_file(file, packages, xacro_args))]
     else:
         names = [f"robot_{index + 1}" for index in range(count)]
     naming = None if count is None else _naming_argument(file, xacro_args, packages)
@@ -78,11 +66,6 @@ def planned_robots(
     placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
     scenario = Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
     return PlannedScenario(scenario, (replace(plan, robot=placed[0]),))
-
-
-def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
-    """Return the robot's name in its file, as a valid name in the twin."""
-    return name_in_twin(robot_name_in_file(file, packages, xacro_args))
 
 
 def _own_robot_name(file: Path, packages: PackageIndex) -> dict[str, str]:

@@ -102,6 +102,10 @@ class Evaluations:
         """How many points may still be simulated."""
         return (self.most - self.episodes) // len(self._logs)
 
+    def _check_left(self) -> None:
+        if self._stopped or self.left < 1:
+            raise Stopped
+
     def values(self, point: Point) -> dict[str, float]:
         """Return the values at a point."""
         return {item.path: item.at(float(share)) for item, share in zip(self.fitted, point, strict=True)}
@@ -115,8 +119,7 @@ class Evaluations:
         point = np.clip(np.asarray(point, dtype=float), 0.0, 1.0)
         if point.tobytes() in self._known:
             return self._known[point.tobytes()]
-        if self._stopped or self.left < 1:
-            raise Stopped
+        self._check_left()
         try:
             compared = self.comparison.compare(self.simulate(point))
             raw, delays = compared.residuals, compared.delays
@@ -159,8 +162,7 @@ class Evaluations:
         columns = []
         every = [[*errors.items()] for errors in self.comparison.start_errors()]
         for turn in range(max(map(len, every))):
-            if self._stopped or self.left < 1:
-                raise Stopped
+            self._check_left()
             moved = {index: dict(own[turn : turn + 1]) for index, own in enumerate(every)}
             change = self.comparison.compare(self.simulate(point, moved)).residuals - before
             columns += [np.where(self.comparison.log_of == index, change, 0.0) for index in range(len(every))]
@@ -179,8 +181,7 @@ class Evaluations:
         """
         if self.comparison.is_noise_given:
             return
-        if self._stopped or self.left < 1:
-            raise Stopped
+        self._check_left()
         here, simulated = self.at(point), self.simulate(point)
         self._change(self.comparison.settle_noise(simulated, here.delays))
         again = self.comparison.compare(simulated)  # as the delays depend on the noise

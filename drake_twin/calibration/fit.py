@@ -88,15 +88,36 @@ def calibrate(
         ]
         delay_errors = np.hypot(comparison.delay_errors(after, found.best.delays), found.delay_errors)
         delays = zip(comparison.topics, found.best.delays.tolist(), delay_errors.tolist(), strict=True)
-        return _result(
-            scenario,
-            evaluations,
-            found,
+        best, paths = found.best, [item.path for item in fitted]
+        errors = {
+            item.path: item.error(float(share), float(error))
+            for item, share, error, is_unknown in zip(fitted, best.point, found.errors, found.unknown, strict=True)
+            if not is_unknown
+        }
+        values = {path: value for path, value in evaluations.values(best.point).items() if path in errors}
+        ends = [
+            f"{item.path} is at the end of its range: the value may be outside"
+            for item, share in zip(fitted, best.point, strict=True)
+            if item.path in values and not 1e-3 < share < 1 - 1e-3
+        ]
+        chi_squared = best.cost / evaluations.freedom
+        return Result(
+            fitted=tuple(fitted),
+            values=values,
+            errors=errors,
+            unknown=tuple(path for path in paths if path not in values),
+            directions=tuple(tuple(paths[index] for index in direction) for direction in found.directions),
+            correlation=found.correlation,
+            chi_squared=chi_squared,
             chi_squared_before=float(compared.residuals @ compared.residuals) / evaluations.freedom,
             held_out=held_out,
             delays=tuple(delays) if longest_delay else (),
-            notes=tuple(dict.fromkeys(note for log in own for note in log.log.notes)),
+            minima=tuple(evaluations.values(item.point) for item in found.others),
+            episodes=evaluations.episodes,
+            problems=_problems(chi_squared, found, values),
+            notes=(*ends, *dict.fromkeys(note for log in own for note in log.log.notes)),
             curves=tuple(curves),
+            scenario=with_values(scenario, values),
         )
 
 
@@ -201,27 +222,7 @@ def _held_out(evaluations: Evaluations, found: Certainty, before: np.ndarray) ->
     return float(np.mean(before[late] ** 2)), float(np.mean(own.residuals[late] ** 2))
 
 
-def _result(
-    scenario: Scenario,
-    evaluations: Evaluations,
-    found: Certainty,
-    *,
-    notes: tuple[str, ...],
-    chi_squared_before: float,
-    held_out: tuple[float, float],
-    delays: tuple[tuple[str, float, float], ...],
-    curves: tuple[Curve, ...],
-) -> Result:
-    fitted, best = evaluations.fitted, found.best
-    paths = [item.path for item in fitted]
-    every = evaluations.values(best.point)
-    unknown = tuple(path for path, is_unknown in zip(paths, found.unknown, strict=True) if is_unknown)
-    values = {path: value for path, value in every.items() if path not in unknown}
-    errors = {
-        item.path: item.error(float(share), float(error))
-        for item, share, error in zip(fitted, best.point, found.errors, strict=True)
-    }
-    chi_squared = best.cost / evaluations.freedom
+def _problems(chi_squared: float, found: Certainty, values: Mapping[str, float]) -> tuple[str, ...]:
     problems = []
     if chi_squared > FITS:
         problems.append(
@@ -231,26 +232,4 @@ def _result(
         problems.append(f"{len(found.others) + 1} places of the ranges fit equally well")
     if not values:
         problems.append("the logs tell none of the values")
-    ends = [
-        f"{item.path} is at the end of its range: the value may be outside"
-        for item, share in zip(fitted, best.point, strict=True)
-        if item.path in values and not 1e-3 < share < 1 - 1e-3
-    ]
-    return Result(
-        fitted,
-        values,
-        {path: errors[path] for path in values},
-        unknown,
-        tuple(tuple(paths[index] for index in direction) for direction in found.directions),
-        found.correlation,
-        chi_squared,
-        chi_squared_before,
-        held_out,
-        delays,
-        tuple(evaluations.values(item.point) for item in found.others),
-        evaluations.episodes,
-        tuple(problems),
-        (*ends, *notes),
-        curves,
-        with_values(scenario, values),
-    )
+    return tuple(problems)

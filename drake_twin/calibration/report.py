@@ -11,7 +11,6 @@ from drake_twin.requirements import missing
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 from drake_twin.whole_file import write_whole
 
-_CORRELATED = 0.9  # from which on a pair is named
 _UNKNOWN = 10.0  # s; the error of a delay of which a log says nothing
 
 

@@ -5,7 +5,7 @@ clock plus the delays of commands and measurements, of which a log shows only th
 (x, y, z and yaw).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -155,13 +155,11 @@ class Comparison:
             What residuals so far are to be multiplied with, shape (N,).
         """
         factors = []
-        at = iter(delays)
-        for topics, own in zip(self._logs, simulated, strict=True):
-            for topic in topics:
-                again = noises(topic.measured, self._given, _values(topic, own[topic.measured.twin_topic], next(at)))
-                for name in topic.used:
-                    factors.append(max(1.0, topic.sigmas[name] / again[name]))
-                    topic.sigmas[name] /= factors[-1]
+        for (topic, series), delay in zip(self._pairs(simulated), delays, strict=True):
+            again = noises(topic.measured, self._given, _values(topic, series, delay))
+            for name in topic.used:
+                factors.append(max(1.0, topic.sigmas[name] / again[name]))
+                topic.sigmas[name] /= factors[-1]
         return np.asarray(np.array(factors)[self.label_of])
 
     @property
@@ -182,11 +180,9 @@ class Comparison:
             The residuals at the best delays and frames.
         """
         residuals, delays = [], []
-        for topics, own in zip(self._logs, simulated, strict=True):
-            for topic in topics:
-                delay = self._delay(topic, own[topic.measured.twin_topic])
-                residuals.append(_residuals(topic, own[topic.measured.twin_topic], delay))
-                delays.append(delay)
+        for topic, series in self._pairs(simulated):
+            delays.append(self._delay(topic, series))
+            residuals.append(_residuals(topic, series, delays[-1]))
         return Compared(np.concatenate(residuals), np.array(delays))
 
     def delay_errors(self, simulated: Sequence[Simulated], delays: np.ndarray) -> np.ndarray:
@@ -194,26 +190,26 @@ class Comparison:
         if not self._longest:
             return np.zeros(len(delays))
         found = []
-        at = iter(delays)
-        for topics, own in zip(self._logs, simulated, strict=True):
-            for topic in topics:
-                delay, series = next(at), own[topic.measured.twin_topic]
-                slope = _residuals(topic, series, delay + _SMALL) - _residuals(topic, series, delay - _SMALL)
-                found.append(2 * _SMALL / max(float(np.linalg.norm(slope)), 1e-9))
+        for (topic, series), delay in zip(self._pairs(simulated), delays, strict=True):
+            slope = _residuals(topic, series, delay + _SMALL) - _residuals(topic, series, delay - _SMALL)
+            found.append(2 * _SMALL / max(float(np.linalg.norm(slope)), 1e-9))
         return np.array(found)
 
     def curves(self, simulated: Sequence[Simulated], delays: np.ndarray) -> list[tuple[str, str, Series, Series]]:
         """Return topic, name, measured and simulated of each number, at given delays and in the log's frames."""
         found = []
-        at = iter(delays)
+        for (topic, series), delay in zip(self._pairs(simulated), delays, strict=True):
+            fitted = _values(topic, series, delay)
+            for name in topic.used:
+                times, values = topic.measured.series[name]
+                found.append((topic.measured.topic, name, (times, values), (times, fitted[name])))
+        return found
+
+    def _pairs(self, simulated: Sequence[Simulated]) -> Iterator[tuple[_Topic, Mapping[str, Series]]]:
+        """Yield each topic of the logs, and what the log's twin would have measured of it."""
         for topics, own in zip(self._logs, simulated, strict=True):
             for topic in topics:
-                delay = next(at)
-                fitted = _values(topic, own[topic.measured.twin_topic], delay)
-                for name in topic.used:
-                    times, values = topic.measured.series[name]
-                    found.append((topic.measured.topic, name, (times, values), (times, fitted[name])))
-        return found
+                yield topic, own[topic.measured.twin_topic]
 
     def _delay(self, topic: _Topic, simulated: Mapping[str, Series]) -> float:
         if not self._longest:

@@ -41,6 +41,11 @@ def captured_warnings() -> Iterator[list[str]]:
         _LOGGER.removeFilter(keep)
 
 
+def reason_of(error: BaseException) -> str:
+    """Return why Drake refuses something, in one line."""
+    return without_literal(" ".join(str(error).split())) or "no reason given"
+
+
 def without_literal(text: str) -> str:
     """Remove the position in the prepared text, which the user never sees, from a message of Drake's parser."""
     return re.sub(r"<(?:literal|data)-string>[.\w]*:\d*:? *(error: |warning: )?", "", text).strip()

@@ -73,7 +73,7 @@ def describe_model(
         model = plant.GetFrameByName(MODEL_FRAME, instance)
         for link in roots:
             X_ML = plant.CalcRelativeTransform(context, model, plant.GetBodyByName(link, instance).body_frame())
-            poses[link] = Pose() if X_ML.IsNearlyIdentity(_SAME) else _pose(X_ML)
+            poses[link] = Pose() if X_ML.IsNearlyIdentity(_SAME) else Pose.of(X_ML)
     return RobotDescription(
         name=name,
         links=links,
@@ -109,17 +109,9 @@ def _joints(plant, instance, efforts: Mapping[str, float]) -> Iterator[Joint]:  
             type=kind,
             parent=joint.parent_body().name(),
             child=joint.child_body().name(),
-            origin=_pose(origin),
+            origin=Pose.of(origin),
             axis=axis,
             limits=limits,
             damping=float(joint.default_damping_vector()[0]) if joint.num_velocities() else 0.0,
-            child_origin=_pose(joint.frame_on_child().GetFixedPoseInBodyFrame().inverse()),
+            child_origin=Pose.of(joint.frame_on_child().GetFixedPoseInBodyFrame().inverse()),
         )
-
-
-def _pose(transform) -> Pose:  # type: ignore[no-untyped-def]
-    from pydrake.math import RollPitchYaw
-
-    x, y, z = transform.translation()
-    roll, pitch, yaw = RollPitchYaw(transform.rotation()).vector()
-    return Pose((x, y, z), (roll, pitch, yaw))

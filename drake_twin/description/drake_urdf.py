@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, pi
 from pathlib import Path
 
 from lxml import etree
@@ -25,7 +25,7 @@ from drake_twin.description.meshes import (
     visual_mesh,
 )
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import Pose, RobotDescription
 from drake_twin.description.sdf_document import free_name, numbers_in
 from drake_twin.description.used_elements import is_known, weight_of
 from drake_twin.description.xml_reader import XmlReader
@@ -281,7 +281,7 @@ def _give_collision_shape(
 
 def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree._Element, primitive: Primitive) -> None:
     import numpy as np
-    from pydrake.math import RollPitchYaw, RotationMatrix
+    from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
     geometry = mesh.getparent()
     assert geometry is not None
@@ -293,23 +293,15 @@ def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree.
     else:
         radius, length = primitive.size
         etree.SubElement(geometry, "cylinder", radius=f"{radius:.17g}", length=f"{length:.17g}")
-    origin = shape.find("origin")
-    zero = (0.0, 0.0, 0.0)
-    xyz = zero if origin is None else reader.vector3(origin, "xyz", zero)
-    rpy = zero if origin is None else reader.vector3(origin, "rpy", zero)
+    origin, zero = shape.find("origin"), (0.0, 0.0, 0.0)
     if origin is None:
         origin = etree.SubElement(shape, "origin")
-    rotation = RotationMatrix(RollPitchYaw(*rpy))
-    moved = rotation @ np.array(primitive.center) + np.array(xyz)
+    X = Pose(reader.vector3(origin, "xyz", zero), reader.vector3(origin, "rpy", zero)).transform()
     # URDF's cylinders are along z: turn z to the mesh's axis first, then turn with the shape.
-    along = {
-        0: RollPitchYaw(0.0, np.pi / 2, 0.0),
-        1: RollPitchYaw(-np.pi / 2, 0.0, 0.0),
-        2: RollPitchYaw(0.0, 0.0, 0.0),
-    }
-    turned = RollPitchYaw(rotation @ RotationMatrix(along[primitive.axis])).vector()
-    origin.set("xyz", " ".join(f"{value:.17g}" for value in moved))
-    origin.set("rpy", " ".join(f"{value:.17g}" for value in turned))
+    along = RollPitchYaw(*((0.0, pi / 2, 0.0), (-pi / 2, 0.0, 0.0), zero)[primitive.axis])
+    moved = Pose.of(RigidTransform(X.rotation() @ RotationMatrix(along), X @ np.array(primitive.center)))
+    origin.set("xyz", " ".join(f"{value:.17g}" for value in moved.xyz))
+    origin.set("rpy", " ".join(f"{value:.17g}" for value in moved.rpy))
 
 
 def _give_friction(reader: XmlReader, description: RobotDescription) -> None:

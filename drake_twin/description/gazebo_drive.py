@@ -149,6 +149,21 @@ class DrivePlugin(PluginReader):
         """Return the entry of a controller of a type with these parameters."""
         return ControllerParameters(self.name, kind, dict(parameters))
 
+    def drive(
+        self, kind: str, parameters: Mapping[str, Any], names: Mapping[str, tuple[str, str]] | None = None, **more: Any
+    ) -> GazeboDrive:
+        """Return the plugin as a controller of a type with these parameters.
+
+        Args:
+            kind: The controller's type.
+            parameters: Its parameters.
+            names: Its topics, as `gz_topics` takes them.
+            more: Other attributes of `GazeboDrive`.
+        """
+        if names is not None:
+            more["topics"], more["gz_topics"] = self.gz_topics(names)
+        return GazeboDrive(self.plugin, self.controller(kind, parameters), **more)
+
     def ros_topics(self, names: Mapping[str, str | None]) -> dict[str, str]:
         """Return the controller's topics by the plugin's names, remapped; those without a name are left out."""
         return {own: ros_topic(self.plugin, name) for own, name in names.items() if name is not None}

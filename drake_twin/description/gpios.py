@@ -6,7 +6,7 @@ from math import nan
 from lxml import etree
 
 from drake_twin.description.robot_description import Gpio
-from drake_twin.description.xml_reader import XmlReader
+from drake_twin.description.xml_reader import XmlReader, parameters_of
 from drake_twin.values import is_true
 
 
@@ -34,8 +34,7 @@ def hardware_gpios(reader: XmlReader, system: etree._Element, parameters: Mappin
 def _interfaces(reader: XmlReader, gpio: etree._Element, tag: str) -> Iterator[tuple[str, float]]:
     """Yield the name and the initial value of each interface; a ``bool`` starts as false, a number as NaN."""
     for element in gpio.iterfind(tag):
-        found = (item.text for item in element.iterfind("param") if item.get("name") == "initial_value")
-        initial = next(((text or "").strip() for text in found), "")
+        initial = parameters_of(element).get("initial_value", "")
         if element.get("data_type", "double").strip() == "bool":
             value = float(is_true(initial or "false"))
         else:

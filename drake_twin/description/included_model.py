@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +12,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_document import sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Weight
-from drake_twin.values import is_true
+from drake_twin.findings import Finding, Place, Weight
 
 _COMMENT_OR_INCLUDE = re.compile(
     r"<!--.*?-->|<include\b(?:\"[^\"]*\"|'[^']*'|[^>\"'])*(?:(?<=/)>|>.*?</include\s*>)", re.DOTALL
@@ -30,9 +28,9 @@ class ModelText(NamedTuple):
 
 
 def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
-    """Return the model that an SDF file includes, or the file's own model with what it includes by merging.
+    """Return the model that an SDF file includes, or the file's own model with what it includes.
 
-    A file that is only an ``<include>`` is that model, with the include's plugins. What ``<include merge="true">``
+    A file that is only an ``<include>`` is that model, with the include's plugins. What an ``<include>`` in a model
     brings stands on the include's own line, so that all other elements keep theirs.
 
     Raises:
@@ -44,8 +42,8 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
     includes, models = reader.root.findall("include"), reader.root.findall("model")
     if reader.root.tag == "sdf" and len(includes) == 1 and not models:
         return _only_included(includes[0], reader, file, packages)
-    if reader.root.tag == "sdf" and len(models) == 1:
-        return _merged(text, models[0], reader, file, packages)
+    if reader.root.tag == "sdf" and len(models) == 1 and models[0].find(".//include") is not None:
+        return _with_included(text, models[0], reader, file, packages)
     return ModelText(text, file)
 
 
@@ -61,32 +59,26 @@ def _only_included(include: etree._Element, reader: XmlReader, file: Path, packa
     root = etree.Element("sdf", version=".".join(map(str, found.version)))
     root.append(found.element)
     text = etree.tostring(root, encoding="unicode")
-    return ModelText(text, found.reader.file or file, tuple(_lost(includes, include, reader)))
+    return ModelText(text, found.reader.file or file, tuple(_lost(includes, reader.place(include))))
 
 
-def _merged(text: str, model: etree._Element, reader: XmlReader, file: Path, packages: PackageIndex) -> ModelText:
-    includes, brought = SdfIncludes(packages), {}
-    merging = [
-        (number, include)
-        for number, include in enumerate(reader.root.iter("include"))
-        if include.getparent() is model and is_true(include.get("merge"))
-    ]
-    if not merging:
-        return ModelText(text, file)
-    for number, include in merging:
-        brought[number] = includes.merged(include, reader, sdf_version(reader.root), (file,))
-    numbers = count()
+def _with_included(
+    text: str, model: etree._Element, reader: XmlReader, file: Path, packages: PackageIndex
+) -> ModelText:
+    includes, every = SdfIncludes(packages), [*reader.root.iter("include")]
+    place = reader.place(every[0])
+    brought = includes.expand(model, reader, sdf_version(reader.root), (file,))
+    upcoming = iter(every)
 
     def one_line(match: re.Match[str]) -> str:
-        if match[0].startswith("<!--") or (elements := brought.get(next(numbers))) is None:
+        if match[0].startswith("<!--") or (include := next(upcoming)) not in brought:
             return match[0]
-        return elements.replace("\n", " ") + "\n" * match[0].count("\n")
+        elements = (etree.tostring(element, encoding="unicode", with_tail=False) for element in brought[include])
+        return "".join(elements).replace("\n", " ") + "\n" * match[0].count("\n")
 
-    return ModelText(_COMMENT_OR_INCLUDE.sub(one_line, text), file, tuple(_lost(includes, merging[0][1], reader)))
+    return ModelText(_COMMENT_OR_INCLUDE.sub(one_line, text), file, tuple(_lost(includes, place)))
 
 
-def _lost(includes: SdfIncludes, include: etree._Element, reader: XmlReader) -> Iterator[Finding]:
-    lost = [finding for finding in includes.findings if not finding.what.startswith("<plugin>")]
-    lost += includes.not_found(reader.place(include)) if includes.asked else ()
-    for finding in lost:
-        yield replace(finding, weight=Weight.LOST)
+def _lost(includes: SdfIncludes, place: Place) -> Iterator[Finding]:
+    found = (*includes.findings, *(includes.not_found(place) if includes.asked else ()))
+    return (replace(finding, weight=Weight.LOST) for finding in found)

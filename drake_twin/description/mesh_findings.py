@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from drake_twin.description.meshes import MOST_DRAWN, mesh_faults, mesh_for_mjcf, visual_mesh
+from drake_twin.findings import first_of
 
 _MOST_NAMED = 3
 
@@ -33,10 +34,7 @@ def said_of_hull(file: Path) -> Iterator[str]:
     Raises:
         InputError: If the file cannot be read.
     """
-    faults = mesh_faults(file)
-    if found := ", ".join(faults.of_solid()):
-        thick = ", a thousandth of its size thick" if faults.is_thin else ""
-        yield f"collision mesh {file.name} has {found}: its convex hull collides{thick}"
+    yield from _said_of_solid(file, "collision mesh", "its convex hull collides")
 
 
 def said_of_mjcf_mesh(file: Path) -> Iterator[str]:
@@ -45,12 +43,15 @@ def said_of_mjcf_mesh(file: Path) -> Iterator[str]:
     Raises:
         InputError: As `mesh_for_mjcf`.
     """
-    if mesh_for_mjcf(file) == file:  # Drake reads it itself
-        return
+    if mesh_for_mjcf(file) != file:  # Drake does not read it itself
+        yield from _said_of_solid(file, "mesh", "where it collides, its convex hull does")
+
+
+def _said_of_solid(file: Path, what: str, instead: str) -> Iterator[str]:
     faults = mesh_faults(file)
     if found := ", ".join(faults.of_solid()):
         thick = ", a thousandth of its size thick" if faults.is_thin else ""
-        yield f"mesh {file.name} has {found}: where it collides, its convex hull does{thick}"
+        yield f"{what} {file.name} has {found}: {instead}{thick}"
 
 
 def said_of_hulls(files: Iterable[Path]) -> Iterator[str]:
@@ -62,8 +63,7 @@ def said_of_hulls(files: Iterable[Path]) -> Iterator[str]:
     found = {file.name: mesh_faults(file) for file in files}
     faulty = [f"{name} ({', '.join(each.of_surface())})" for name, each in found.items() if each.is_poor_surface]
     if faulty:
-        more = f" and {len(faulty) - _MOST_NAMED} more" if len(faulty) > _MOST_NAMED else ""
-        named = "; ".join(faulty[:_MOST_NAMED]) + more
+        named = first_of(faulty, _MOST_NAMED, "; ")
         yield f"convex hulls collide in place of faulty meshes, as of sound ones: {named}"
 
 

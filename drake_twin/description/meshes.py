@@ -181,11 +181,7 @@ def _primitive_of_hull(hull: Path, scale: Vector3) -> Primitive | None:
 
 
 def _has_normals(file: Path) -> bool:
-    try:
-        with file.open("rb") as lines:
-            return any(line.startswith(b"vn ") for line in lines)
-    except OSError as error:
-        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
+    return re.search(rb"^vn ", _bytes(file), re.MULTILINE) is not None
 
 
 def _has_no_colors(file: Path) -> bool:

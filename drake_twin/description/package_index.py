@@ -48,43 +48,31 @@ class PackageIndex:
         folders: Folders of packages (or packages themselves) to search first.
         environment: The environment variables; the process's own by default.
 
+    Attributes:
+        resource_folders: The folders of Gazebo's and ROS 1's path variables, in order.
+
     Raises:
         InputError: If one of the folders does not exist.
     """
 
     def __init__(self, folders: Iterable[str | Path] = (), environment: Mapping[str, str] | None = None):
         environment = os.environ if environment is None else environment
-        self._folders = [Path(absolute_path(folder)) for folder in folders]
+        self._folders = tuple(Path(absolute_path(folder)) for folder in folders)
         for folder in self._folders:
             if not folder.is_dir():
                 raise InputError("the package folder does not exist", file=folder)
-        self._prefixes = [
-            Path(prefix)
-            for variable in _PREFIX_VARIABLES
-            for prefix in environment.get(variable, "").split(os.pathsep)
-            if prefix
-        ]
-        self._resource_folders = [
-            Path(folder)
-            for variable in _FOLDER_VARIABLES
-            for folder in environment.get(variable, "").split(os.pathsep)
-            if folder
-        ]
+        self._prefixes = _folders_of(environment, _PREFIX_VARIABLES)
+        self.resource_folders = _folders_of(environment, _FOLDER_VARIABLES)
 
     @property
     def folders(self) -> tuple[Path, ...]:
         """The folders that are searched first."""
-        return tuple(self._folders)
-
-    @property
-    def resource_folders(self) -> tuple[Path, ...]:
-        """The folders of Gazebo's and ROS 1's path variables, in order."""
-        return tuple(self._resource_folders)
+        return self._folders
 
     def packages(self) -> Iterator[Path]:
         """Yield the packages of all folders that are searched, the closest first."""
         shares = (prefix / "share" for prefix in self._prefixes)
-        for folder in (*self._folders, *shares, *self._resource_folders, share_folder("models")):
+        for folder in (*self._folders, *shares, *self.resource_folders, share_folder("models")):
             yield from packages_in(folder)
 
     def find(self, package: str, near: str | Path | None = None) -> Path:
@@ -199,14 +187,19 @@ class PackageIndex:
                     yield from _in_folder(workspace, package)
         for prefix in self._prefixes:
             yield from _in_prefix(prefix, package)
-        for folder in self._resource_folders:
+        for folder in self.resource_folders:
             yield from _in_folder(folder, package)
         yield from _in_folder(share_folder("models"), package)
 
     def _source_folders(self, near: str | Path | None) -> list[Path]:
         own_package = None if near is None else containing_package(near)
         workspaces = [] if own_package is None else workspaces_of(own_package)
-        return [*self._folders, *workspaces, *self._resource_folders, share_folder("models")]
+        return [*self._folders, *workspaces, *self.resource_folders, share_folder("models")]
+
+
+def _folders_of(environment: Mapping[str, str], variables: Iterable[str]) -> tuple[Path, ...]:
+    paths = (environment.get(variable, "").split(os.pathsep) for variable in variables)
+    return tuple(Path(folder) for folders in paths for folder in folders if folder)
 
 
 def absolute_path(name: str | Path) -> str:

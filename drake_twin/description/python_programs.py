@@ -4,16 +4,13 @@ They are the console scripts of a setup.py or setup.cfg, the scripts that a CMak
 the scripts of an installed package.
 """
 
-import ast
 from collections.abc import Iterator
-from configparser import Error as ConfigError
-from configparser import RawConfigParser
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from drake_twin.description.cmake_install import cmake_installs
-from drake_twin.description.setup_expressions import SetupReader
+from drake_twin.description.setup_expressions import read_setup_cfg, read_setup_py
 from drake_twin.description.share_layout import package_name
 
 
@@ -79,23 +76,9 @@ def _source_of(package: Path) -> Path:
 
 
 def _console_scripts(package: Path) -> Iterator[tuple[str, str]]:
-    entries: list[object] = []
-    try:
-        tree = ast.parse((package / "setup.py").read_text(encoding="utf-8", errors="replace"))
-    except (OSError, SyntaxError, ValueError, RecursionError):
-        pass
-    else:
-        reader = SetupReader(package)
-        reader.run(tree.body)
-        given = reader.entry_points.get("console_scripts", ())
-        entries += given.splitlines() if isinstance(given, str) else given
-    parser = RawConfigParser()
-    try:
-        parser.read(package / "setup.cfg", encoding="utf-8")
-        entries += parser.get("options.entry_points", "console_scripts", fallback="").splitlines()
-    except (ConfigError, UnicodeDecodeError):
-        pass
-    for entry in entries:
+    given = read_setup_py(package).entry_points.get("console_scripts", ())
+    configured = read_setup_cfg(package).get("options.entry_points", "console_scripts", fallback="")
+    for entry in (*(given.splitlines() if isinstance(given, str) else given), *configured.splitlines()):
         executable, equals, target = str(entry).partition("=")
         if equals:
             yield executable.strip(), target.partition("[")[0].strip()

@@ -6,11 +6,15 @@ Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import inf, nan
+from math import inf
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drake_twin.description.link_surface import LinkSurface
 from drake_twin.findings import Place
+
+if TYPE_CHECKING:
+    from pydrake.math import RigidTransform
 
 Vector3 = tuple[float, float, float]
 
@@ -31,13 +35,26 @@ class Pose:
         """Return the pose of what has a pose in this frame, seen from where this frame is given."""
         if inner == Pose():
             return self
+        return Pose.of(self.transform() @ inner.transform())
+
+    @classmethod
+    def of(cls, transform: "RigidTransform") -> "Pose":
+        """Return the pose that is Drake's transform."""
+        from pydrake.math import RollPitchYaw
+
+        xyz, rpy = transform.translation().tolist(), RollPitchYaw(transform.rotation()).vector().tolist()
+        return cls(tuple(xyz), tuple(rpy))
+
+    def transform(self) -> "RigidTransform":
+        """Return the pose as Drake's transform."""
         from pydrake.math import RigidTransform, RollPitchYaw
 
-        found = RigidTransform()
-        for pose in (self, inner):
-            found = found @ RigidTransform(RollPitchYaw(*pose.rpy), list(pose.xyz))
-        xyz, rpy = found.translation().tolist(), RollPitchYaw(found.rotation()).vector().tolist()
-        return Pose(tuple(xyz), tuple(rpy))
+        return RigidTransform(RollPitchYaw(*self.rpy), self.xyz)
+
+    @property
+    def text(self) -> str:
+        """The pose as SDF writes it."""
+        return " ".join(f"{value:.17g}" for value in (*self.xyz, *self.rpy))
 
 
 @dataclass(frozen=True)
@@ -143,15 +160,13 @@ class HardwareSensor:
 
     Attributes:
         name: Its name.
-        state_interfaces: The names of its state interfaces (``orientation.x``, …).
+        state_interfaces: State interface (``orientation.x``, …) → its ``initial_value``; NaN where the file has none.
         parameters: Its ``<param>`` values.
-        initial_values: State interface → its ``initial_value``, where the file gives one.
     """
 
     name: str
-    state_interfaces: tuple[str, ...] = ()
+    state_interfaces: Mapping[str, float] = field(default_factory=dict)
     parameters: Mapping[str, str] = field(default_factory=dict)
-    initial_values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -171,12 +186,10 @@ class Gpio:
     def problem(self, kind: str, interface: str) -> str | None:
         """Return why a ``command`` or ``state`` interface cannot be claimed; None if it can."""
         has = self.commands if kind == "command" else self.states
+        if interface in has:
+            return None
         known = f"it has {', '.join(has)}" if has else f"it has no {kind} interface"
-        return (
-            None
-            if interface in has
-            else f"gpio {self.name} has no {interface} {kind} interface in <ros2_control> ({known})"
-        )
+        return f"gpio {self.name} has no {interface} {kind} interface in <ros2_control> ({known})"
 
 
 @dataclass(frozen=True)
@@ -301,10 +314,7 @@ class RobotDescription:
 
     @cached_property
     def controlled_joints(self) -> dict[str, ControlledJoint]:
-        """Joint name → its tag in ``<ros2_control>``, in file order; joints that the robot lacks are left out.
-
-        Joints that do not move are left out, too: nothing can be commanded or measured there.
-        """
+        """Joint name → its tag in ``<ros2_control>``, in file order, of the joints that the robot has and that move."""
         movable = {joint.name for joint in (*self.movable_joints, *self.base_joints)}
         found: dict[str, ControlledJoint] = {}
         for joint in (joint for system in self.systems for joint in system.joints if joint.name in movable):
@@ -316,13 +326,8 @@ class RobotDescription:
     @property
     def actuated_joints(self) -> tuple[Joint, ...]:
         """The movable joints with a command interface, in the order of ``<ros2_control>``, without followers."""
-        return tuple(
-            self.joints_by_name[name]
-            for name, controlled in self.controlled_joints.items()
-            if controlled.command_interfaces
-            and self.joints_by_name[name].is_movable
-            and self.joints_by_name[name].mimic is None
-        )
+        joints = (self.joints_by_name[name] for name, tag in self.controlled_joints.items() if tag.command_interfaces)
+        return tuple(joint for joint in joints if joint.is_movable and joint.mimic is None)
 
     @cached_property
     def hardware_sensors(self) -> dict[str, HardwareSensor]:
@@ -333,9 +338,9 @@ class RobotDescription:
     def sensor_states(self) -> dict[str, float]:
         """State interface of a sensor (``imu/orientation.x``) → its ``initial_value``; NaN where the file has none."""
         return {
-            f"{sensor.name}/{interface}": sensor.initial_values.get(interface, nan)
+            f"{sensor.name}/{interface}": value
             for sensor in self.hardware_sensors.values()
-            for interface in sensor.state_interfaces
+            for interface, value in sensor.state_interfaces.items()
         }
 
     @cached_property

@@ -148,7 +148,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.sensors import sensors_in_sdf
 
     text, file, lost = included_model(without_default_namespace(text), file, packages)
-    reader, moved = read_robot_sdf(text, file, packages)
+    reader, moved = read_robot_sdf(text, file)
     prepared, is_fixed, own_name, findings = prepare_sdf(reader, name, packages)
     if reader.root.get("version") is None:
         raise reader.error(reader.root, "the attribute 'version' is missing")

@@ -8,7 +8,7 @@ from lxml import etree
 from drake_twin.description.gazebo_plugins import is_of_gazebo_sim
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Cause, Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind, first_of
 
 if TYPE_CHECKING:
     from pydrake.math import RigidTransform
@@ -66,8 +66,7 @@ class SavedState:
                 what = f"the poses of the links of {model.get('name', '')} in <state>: it starts where its own pose is"
                 yield Finding.at(Kind.IGNORED, what, self._reader.place(model))
         if self._moved:
-            more = f" and {len(self._moved) - _MOST_NAMED} more" if len(self._moved) > _MOST_NAMED else ""
-            who = f"{', '.join(self._moved[:_MOST_NAMED])}{more}"
+            who = first_of(self._moved, _MOST_NAMED)
             what = f"{who}: the start pose is that of <state>, as in Gazebo classic; Gazebo Sim does not read it"
             yield Finding.at(Kind.WARNING, what, place)
 

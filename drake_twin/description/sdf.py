@@ -1,21 +1,18 @@
 """SDF robots, prepared for Drake's parser."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple
 
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_addresses import SdfAddresses
-from drake_twin.description.sdf_document import sdf_version
-from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.sdf_nested import flatten_models
 from drake_twin.description.sdf_shapes import lay_slabs
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, Place, Weight
+from drake_twin.findings import Finding, Kind, Place
 from drake_twin.values import is_true
 
 
@@ -35,8 +32,8 @@ class PreparedSdf(NamedTuple):
     findings: tuple[Finding, ...] = ()
 
 
-def read_robot_sdf(text: str, file: Path, packages: PackageIndex) -> tuple[XmlReader, list[Finding]]:
-    """Read an SDF file of a robot, with the models that it includes and those inside it as parts of its one model.
+def read_robot_sdf(text: str, file: Path) -> tuple[XmlReader, list[Finding]]:
+    """Read an SDF file of a robot, with the models inside it as parts of its one model.
 
     Raises:
         InputError: If the file is not an SDF file with one model.
@@ -46,23 +43,7 @@ def read_robot_sdf(text: str, file: Path, packages: PackageIndex) -> tuple[XmlRe
     if reader.root.tag != "sdf" or len(models) != 1:
         what = "a world" if reader.root.find("world") is not None else f"{len(models)} models"
         raise reader.error(reader.root, f"a robot is an SDF file with one <model>, but this holds {what}")
-    return reader, [*_included(models[0], reader, packages), *flatten_models(models[0], reader)]
-
-
-def _included(model: etree._Element, reader: XmlReader, packages: PackageIndex) -> Iterator[Finding]:
-    """Replace a robot's own includes by their models."""
-    include = model.find(".//include")
-    if include is None:
-        return
-    own = {*model.iter(etree.Element)}
-    includes = SdfIncludes(packages)
-    place = reader.place(include)
-    includes.expand(model, reader, sdf_version(reader.root), () if reader.file is None else (reader.file,))
-    for element in model.iter(etree.Element):
-        if element not in own:
-            cast(Any, element).sourceline = 0  # of another file; the stubs give another type
-    found = (*includes.findings, *(includes.not_found(place) if includes.addresses.missing else ()))
-    yield from (replace(finding, weight=Weight.LOST) for finding in found)
+    return reader, list(flatten_models(models[0], reader))
 
 
 def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageIndex) -> PreparedSdf:

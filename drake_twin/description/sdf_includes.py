@@ -10,6 +10,7 @@ from lxml import etree
 
 from drake_twin.description.frame_in_model import frame_in_model
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.robot_description import Pose
 from drake_twin.description.sdf_addresses import NotIncludedError, SdfAddresses
 from drake_twin.description.sdf_document import free_name, modernize, read_sdf, sdf_version
 from drake_twin.description.sdf_pose import transform_of
@@ -126,8 +127,8 @@ class SdfIncludes:
 
     def expand(
         self, model: etree._Element, reader: XmlReader, version: tuple[int, ...], above: tuple[Path, ...]
-    ) -> None:
-        """Replace a model's own includes by their models, at any depth.
+    ) -> dict[etree._Element, list[etree._Element]]:
+        """Replace a model's own includes by their models, at any depth; return what stands for each include.
 
         Args:
             model: The element; it is changed.
@@ -135,6 +136,7 @@ class SdfIncludes:
             version: That document's version of SDF.
             above: The files that led here.
         """
+        brought: dict[etree._Element, list[etree._Element]] = {}
         for include in list(model.iter("include")):
             parent = include.getparent()
             if parent is None or parent.tag != "model":
@@ -142,6 +144,7 @@ class SdfIncludes:
             found = self.model(include, reader, above)
             if found is None:
                 parent.remove(include)
+                brought[include] = []
                 continue
             if found.version < (1, 7) <= version:
                 modernize(found.element)
@@ -149,32 +152,13 @@ class SdfIncludes:
             for element in found.element.iter("sensor", "plugin"):
                 self.documents.setdefault(element, found.reader)
             if is_true(include.get("merge")):
-                _merge(found, include, reader)
+                brought[include] = _merge(found, include, reader)
             else:
                 taken = {sibling.get("name", "") for sibling in parent.findall("model")}
                 found.element.set("name", free_name(found.element.get("name", ""), taken))
                 parent.replace(include, found.element)
-
-    def merged(
-        self, include: etree._Element, reader: XmlReader, version: tuple[int, ...], above: tuple[Path, ...]
-    ) -> str:
-        """Return the text of what an ``<include merge="true">`` brings; nothing, with a finding, if it is not found.
-
-        Args:
-            include: The element, which stays as it is.
-            reader: The document it stands in.
-            version: That document's version of SDF.
-            above: The files that led here.
-        """
-        found = self.model(include, reader, above)
-        if found is None:
-            return ""
-        if found.version < (1, 7) <= version:
-            modernize(found.element)
-        into = etree.Element("model")
-        into.append(deepcopy(include))
-        _merge(found, into[0], reader)
-        return "".join(etree.tostring(element, encoding="unicode", with_tail=False) for element in into)
+                brought[include] = [found.element]
+        return brought
 
     def not_found(self, place: Place) -> Iterator[Finding]:
         """Yield a finding of all models and packages that were not found in the same folders.
@@ -214,8 +198,6 @@ def _override(model: etree._Element, include: etree._Element) -> None:
 
 def _unplaced(found: IncludedModel, pose: etree._Element, include: etree._Element, reader: XmlReader) -> etree._Element:
     """Return the pose of a model's own frame, of one whose pose is that of its placement frame."""
-    from pydrake.math import RollPitchYaw
-
     placement = found.element.get("placement_frame", "")
     X_MP = frame_in_model(found.element, placement)
     if X_MP is None:
@@ -224,12 +206,11 @@ def _unplaced(found: IncludedModel, pose: etree._Element, include: etree._Elemen
     own = etree.Element("pose")
     if to := pose.get("relative_to"):
         own.set("relative_to", to)
-    numbers = (*X.translation(), *RollPitchYaw(X.rotation()).vector())
-    own.text = " ".join(f"{value:.17g}" for value in numbers)
+    own.text = Pose.of(X).text
     return own
 
 
-def _merge(found: IncludedModel, include: etree._Element, reader: XmlReader) -> None:
+def _merge(found: IncludedModel, include: etree._Element, reader: XmlReader) -> list[etree._Element]:
     """Move what has a name in the model of ``<include merge="true">`` into the including model: links, plugins, …"""
     model = found.element
     frame = f"_merged_{model.get('name', '')}_model_"
@@ -260,3 +241,4 @@ def _merge(found: IncludedModel, include: etree._Element, reader: XmlReader) -> 
                     element.set(attribute, frame)
     for offset, child in enumerate(moved):
         into.insert(at + offset, child)
+    return moved

@@ -17,7 +17,7 @@ from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sdf_document import free_name, has_weight, is_within_static, number_in, sdf_version
-from drake_twin.description.sdf_nested import join_across_models
+from drake_twin.description.sdf_nested import join_across_models, rename
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
@@ -181,12 +181,8 @@ def _rename_flattened(model: etree._Element) -> None:
             taken.add(new)
             if new != old:
                 renamed.setdefault(old, new)
-    for element in model.iter() if renamed else ():
-        if element.tag in ("parent", "child") and (element.text or "").strip() in renamed:
-            element.text = renamed[(element.text or "").strip()]
-        for attribute in ("relative_to", "attached_to", "expressed_in"):
-            if element.get(attribute) in renamed:
-                element.set(attribute, renamed[element.get(attribute, "")])
+    if renamed:
+        rename(model, renamed)
 
 
 def _joints(model: etree._Element) -> Iterator[str]:

@@ -115,12 +115,12 @@ def _flatten(model: etree._Element, reader: XmlReader, lost: list[etree._Element
         for name in (*_names(nested), "__model__"):
             names[name] = free_name(f"{own}_{name.strip('_') if name == '__model__' else name}", taken)
             taken.add(names[name])
-        _rename(nested, names)
+        rename(nested, names)
         scoped |= {f"{own}::{name}": new for name, new in names.items()}
         scoped |= {f"{own}::{name}": names[middle] for name, middle in inner.items() if middle in names}
         scoped[own] = names["__model__"]
         _move(nested, model, names["__model__"], lost)
-    _rename(model, scoped)
+    rename(model, scoped)
     return scoped
 
 
@@ -152,7 +152,7 @@ def _place(link: etree._Element, frame: str) -> None:
         pose.set("relative_to", frame)
 
 
-def _rename(model: etree._Element, names: Mapping[str, str]) -> None:
+def rename(model: etree._Element, names: Mapping[str, str]) -> None:
     """Rename a model's own parts, and each reference to one; the texts of plugins are such where they are names."""
     for child in model:
         if child.tag in ("link", "joint", "frame") and child.get("name") in names:

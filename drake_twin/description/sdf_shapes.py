@@ -13,6 +13,7 @@ from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
 from drake_twin.description.meshes import collision_mesh, mesh_address, mesh_primitive, visual_mesh
 from drake_twin.description.package_index import MissingPackageError
+from drake_twin.description.robot_description import Pose
 from drake_twin.description.sdf_document import is_within_static, number_in, numbers_in
 from drake_twin.description.sdf_pose import pose_transform
 from drake_twin.description.used_elements import weight_of
@@ -203,7 +204,7 @@ def turned_to(normal: np.ndarray) -> np.ndarray:
 
 def _move_shape(shape: etree._Element, rotation: np.ndarray, translation: np.ndarray) -> None:
     """Turn a visual or collision about its own frame, then move it along the turned axes (m)."""
-    from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+    from pydrake.math import RigidTransform, RotationMatrix
 
     pose = shape.find("pose")
     if pose is None:
@@ -212,8 +213,7 @@ def _move_shape(shape: etree._Element, rotation: np.ndarray, translation: np.nda
     X = pose_transform(pose) @ RigidTransform(RotationMatrix(rotation), rotation @ translation)
     for attribute in ("degrees", "rotation_format"):
         pose.attrib.pop(attribute, "")
-    numbers = [*X.translation(), *RollPitchYaw(X.rotation()).vector()]
-    pose.text = " ".join(f"{float(number):.17g}" for number in numbers)
+    pose.text = Pose.of(X).text
 
 
 def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[tuple[str, Weight]]:

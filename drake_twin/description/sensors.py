@@ -7,13 +7,15 @@ Name, place, pose, rate, topic and frame are read here; the rest of the element 
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import replace
+from math import nan
+from typing import Any
 
 from lxml import etree
 
 from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_plugins import plugin_kind, read_plugin
 from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor
-from drake_twin.description.xml_reader import XmlReader
+from drake_twin.description.xml_reader import XmlReader, parameters_of
 
 # Plugins of Gazebo classic that are sensors by themselves, outside of a <sensor>: the element that names their link
 # or joint, and the one of their rate (Hz).
@@ -41,12 +43,9 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
         reference = (place.get("reference") or "").strip()
         if reference and reference not in links | joints:
             continue
-        on_link = reference in links
+        on = "link" if reference in links else "joint"
         for sensor in (found for element in place.iterfind("sensor") for found in _sensors(reader, element)):
-            if on_link:
-                yield replace(sensor, link=reference, gazebo_link=lumped.get(reference, reference))
-            else:
-                yield replace(sensor, joint=reference, gazebo_link=children.get(reference, ""))
+            yield _placed(sensor, on, reference, lumped, children)
         for element in place.iterfind("plugin"):
             yield from _of_plugin(reader, element, lumped, children)
 
@@ -71,18 +70,22 @@ def sensors_in_model(model: etree._Element, reader_of: Callable[[etree._Element]
     Raises:
         InputError: If a value is invalid.
     """
+    children = _children(model)
     for tag in ("link", "joint"):
         for element in model.iterfind(f"{tag}/sensor"):
             place, reader = element.getparent(), reader_of(element)
             assert place is not None
             name = reader.text(place, "name")
-            for sensor in _sensors(reader, element):
-                if tag == "link":
-                    yield replace(sensor, link=name, gazebo_link=name)
-                else:
-                    yield replace(sensor, joint=name, gazebo_link=_text(place, "child"))
+            yield from (_placed(sensor, tag, name, {}, children) for sensor in _sensors(reader, element))
     for element in model.iterfind("plugin"):
-        yield from _of_plugin(reader_of(element), element, {}, _children(model))
+        yield from _of_plugin(reader_of(element), element, {}, children)
+
+
+def _placed(sensor: Sensor, on: str, name: str, lumped: Mapping[str, str], children: Mapping[str, str]) -> Sensor:
+    """Return a sensor on a link or a joint of a name, with the link that Gazebo attaches it to."""
+    if on == "link":
+        return replace(sensor, link=name, gazebo_link=lumped.get(name, name))
+    return replace(sensor, joint=name, gazebo_link=children.get(name, ""))
 
 
 def _children(root: etree._Element) -> dict[str, str]:
@@ -109,17 +112,17 @@ def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[Hard
     for element in system.iterfind("sensor"):
         yield HardwareSensor(
             name=reader.text(element, "name"),
-            state_interfaces=tuple(reader.text(item, "name") for item in element.iterfind("state_interface")),
-            parameters={item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")},
-            initial_values={
-                reader.text(parent, "name"): _initial_value(reader, item)
-                for parent in element.iterfind("state_interface")
-                for item in parent.iterfind("param[@name='initial_value']")
+            state_interfaces={
+                reader.text(item, "name"): _initial_value(reader, item) for item in element.iterfind("state_interface")
             },
+            parameters=parameters_of(element),
         )
 
 
-def _initial_value(reader: XmlReader, element: etree._Element) -> float:
+def _initial_value(reader: XmlReader, interface: etree._Element) -> float:
+    element = interface.find("param[@name='initial_value']")
+    if element is None:
+        return nan
     text = (element.text or "").strip()
     truth = {"true": 1.0, "false": 0.0}.get(text.lower())
     return reader.parse_number(element, text, "initial_value") if truth is None else truth
@@ -146,19 +149,28 @@ def _sensors(reader: XmlReader, element: etree._Element) -> Iterator[Sensor]:
 
 def _sensor(reader: XmlReader, element: etree._Element) -> Sensor:
     """Read a ``<sensor>`` tag, without its link or joint."""
-    rate = _text(element, "update_rate")
     pose = element.find("pose")
-    sensor = Sensor(
+    return _made(
+        reader,
+        element,
+        _text(element, "update_rate"),
         name=reader.text(element, "name"),
         kind=element.get("type", "").strip(),
         pose=_pose(reader, element),
         pose_frame="" if pose is None else (pose.get("relative_to") or "").strip(),
         frame=next((text for tag in _FRAMES if (text := _text(element, tag))), ""),
         topic=_text(element, "topic"),
+    )
+
+
+def _made(reader: XmlReader, element: etree._Element, rate: str, **more: Any) -> Sensor:
+    """Return the sensor of an element with a rate (Hz) and more attributes."""
+    sensor = Sensor(
         update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
         place=reader.place(element),
         text=etree.tostring(element, encoding="unicode", with_tail=False),
         places=tuple(map(reader.place, element.iter(etree.Element))),
+        **more,
     )
     if sensor.update_rate < 0.0:
         raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
@@ -174,21 +186,9 @@ def _of_plugin(
         return
     on, *tags = SENSOR_PLUGINS[kind]
     where, rate = (_text(element, tag) for tag in tags)
-    sensor = Sensor(
-        name=(element.get("name") or kind).strip(),
-        kind=kind,
-        frame=_text(element, "frame_name") or _text(element, "frameName"),
-        update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
-        place=reader.place(element),
-        text=etree.tostring(element, encoding="unicode", with_tail=False),
-        places=tuple(map(reader.place, element.iter(etree.Element))),
-    )
-    if sensor.update_rate < 0.0:
-        raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
-    if on == "joint":
-        yield replace(sensor, joint=where, gazebo_link=children.get(where, ""))
-    else:
-        yield replace(sensor, link=where, gazebo_link=lumped.get(where, where))
+    frame = _text(element, "frame_name") or _text(element, "frameName")
+    sensor = _made(reader, element, rate, name=(element.get("name") or kind).strip(), kind=kind, frame=frame)
+    yield _placed(sensor, on, where, lumped, children)
 
 
 def _text(element: etree._Element, path: str) -> str:
@@ -198,13 +198,9 @@ def _text(element: etree._Element, path: str) -> str:
 def _pose(reader: XmlReader, element: etree._Element) -> Pose:
     found = element.find("pose")
     if found is not None and (found.get("rotation_format") or found.get("degrees")):
-        from pydrake.math import RollPitchYaw
-
         from drake_twin.description.sdf_pose import transform_of
 
-        transform = transform_of(found, reader)
-        xyz, rpy = transform.translation().tolist(), RollPitchYaw(transform.rotation()).vector().tolist()
-        return Pose(tuple(xyz), tuple(rpy))
+        return Pose.of(transform_of(found, reader))
     text = _text(element, "pose") or _text(element, "origin")
     if not text:
         return Pose()

@@ -8,12 +8,36 @@ installed as it is can be found in the source all the same.
 import ast
 import os
 from collections.abc import Iterator, Mapping
+from configparser import Error as ConfigError
+from configparser import RawConfigParser
 from pathlib import Path
 from typing import Any
 
 MOST_FILES = 10_000
 _MOST_STATEMENTS = 100_000  # with loops unrolled
 _LONGEST = 100_000  # characters of a string
+
+
+def read_setup_py(package: Path) -> "SetupReader":
+    """Return what a package's setup.py says; nothing, if it has none or is no Python."""
+    reader = SetupReader(package)
+    try:
+        tree = ast.parse((package / "setup.py").read_text(encoding="utf-8", errors="replace"))
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return reader
+    reader.run(tree.body)
+    return reader
+
+
+def read_setup_cfg(package: Path) -> RawConfigParser:
+    """Return a package's setup.cfg, where options keep their case; an empty one, if it has none or cannot be read."""
+    parser = RawConfigParser()
+    parser.optionxform = str  # type: ignore[assignment, method-assign]
+    try:
+        parser.read(package / "setup.cfg", encoding="utf-8")
+    except (ConfigError, UnicodeDecodeError):
+        parser.clear()
+    return parser
 
 
 class _Unknown(Exception):  # noqa: N818  # not an error: the value is simply not known

@@ -1,12 +1,9 @@
 """What a package's setup.py or setup.cfg installs into its share folder; ``data_files`` is read, not run."""
 
-import ast
 from collections.abc import Iterator
-from configparser import Error as ConfigError
-from configparser import RawConfigParser
 from pathlib import Path
 
-from drake_twin.description.setup_expressions import MOST_FILES, SetupReader, glob_in
+from drake_twin.description.setup_expressions import MOST_FILES, glob_in, read_setup_cfg, read_setup_py
 
 
 def setup_installs(package: Path, name: str) -> Iterator[tuple[str, Path]]:
@@ -27,16 +24,9 @@ def setup_installs(package: Path, name: str) -> Iterator[tuple[str, Path]]:
 
 
 def _setup_cfg(package: Path) -> list[tuple[str, list[str]]]:
-    parser = RawConfigParser()
-    parser.optionxform = str  # type: ignore[assignment, method-assign]  # destinations keep their case
-    try:
-        parser.read(package / "setup.cfg", encoding="utf-8")
-    except (ConfigError, UnicodeDecodeError):
-        return []
-    if not parser.has_section("options.data_files"):
-        return []
+    parser = read_setup_cfg(package)
     found = []
-    for destination, text in parser.items("options.data_files"):
+    for destination, text in parser.items("options.data_files") if "options.data_files" in parser else ():
         patterns = [item.strip() for item in text.replace("\n", ",").split(",") if item.strip()]
         files = [file for pattern in patterns for file in glob_in(package, pattern, recursive=False)]
         found.append((destination, files))
@@ -44,15 +34,9 @@ def _setup_cfg(package: Path) -> list[tuple[str, list[str]]]:
 
 
 def _setup_py(package: Path) -> list[tuple[str, list[str]]]:
-    try:
-        tree = ast.parse((package / "setup.py").read_text(encoding="utf-8", errors="replace"))
-    except (OSError, SyntaxError, ValueError, RecursionError):
-        return []
-    reader = SetupReader(package)
-    reader.run(tree.body)
     return [
         (entry[0], [file for file in entry[1] if isinstance(file, str)])
-        for entry in reader.data_files
+        for entry in read_setup_py(package).data_files
         if isinstance(entry, tuple | list) and len(entry) == 2 and isinstance(entry[0], str)
         if isinstance(entry[1], list | tuple)
     ]

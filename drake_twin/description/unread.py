@@ -18,7 +18,6 @@ from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.used_elements import (
     DRAKE,
     NO_EFFECT_IN_WORLDS,
-    REPORTED,
     ROS2_CONTROL,
     SDF_LIGHT,
     SDF_MODEL,
@@ -134,13 +133,13 @@ def _unread(element: etree._Element, part: Part) -> Iterator[_Unread]:
         seen.add(child.tag)
         if known is not None and known.names is not None and child.get("name", "") not in known.names:
             yield child, f'<{name} name="{child.get("name", "")}">', f" in <{tag}>"
-        elif known is not None and known is not REPORTED:
+        elif known is not None:
             yield from _unread(child, known)
         elif tag in ("gazebo", "model", "sensor") and name == "plugin":
             yield from _unread_plugin(child)
         elif tag in ("gazebo", "link", "joint") and name == "sensor":
             continue  # `drake_twin.planning.sensor_plan` says what becomes of it
-        elif known is not REPORTED and not asks_for_nothing(child):
+        elif not asks_for_nothing(child):
             yield child, f"<{name}>", f" in <{tag}>" if tag != "robot" else ""
 
 

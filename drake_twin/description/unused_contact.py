@@ -11,7 +11,7 @@ from lxml import etree
 
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Cause, Finding, Kind, Place, Weight, at_places
+from drake_twin.findings import Cause, Finding, Kind, Place, Weight, at_places, first_of
 
 _STIFFNESS = "stiffness and damping of contact follow from the masses"
 _ISOTROPY = "friction is the same in all directions"
@@ -142,8 +142,7 @@ def _together(reader: XmlReader, unused: Iterable[tuple[str, etree._Element, str
     for effect, about in found.items():
         names, links, places = (list(dict.fromkeys(column)) for column in zip(*about, strict=True))
         links = [link for link in links if link]
-        more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
-        whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
+        whose = f" of {first_of(links, _MOST_NAMED)}" if links else ""
         weight = Weight.LOOKS if _NOT_IN_DART.issuperset(names) else Weight.MOVES
         what = f"{', '.join(names)}{whose}: {effect}"
         told = ((what, place) for place in places)

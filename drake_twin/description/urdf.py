@@ -23,7 +23,7 @@ from drake_twin.description.robot_description import (
     StateInterface,
 )
 from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
-from drake_twin.description.xml_reader import XmlReader
+from drake_twin.description.xml_reader import XmlReader, parameters_of
 from drake_twin.findings import Finding, Kind
 from drake_twin.values import parse_number
 
@@ -143,7 +143,7 @@ def _mimic(reader: XmlReader, element: etree._Element) -> Mimic | None:
 def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSystem:
     joints = []
     for joint in element.iterfind("joint"):
-        parameters = _parameters(joint)
+        parameters = parameters_of(joint)
         joints.append(
             ControlledJoint(
                 name=reader.text(joint, "name"),
@@ -155,7 +155,7 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
             )
         )
     hardware = element.find("hardware")
-    parameters = {} if hardware is None else _parameters(hardware)
+    parameters = {} if hardware is None else parameters_of(hardware)
     return HardwareSystem(
         name=element.get("name", ""),
         type=element.get("type", "system"),
@@ -171,7 +171,7 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
 def _command_interface(reader: XmlReader, element: etree._Element) -> CommandInterface:
     bounds = {
         name: reader.parse_number(element, text, name)
-        for name, text in _parameters(element).items()
+        for name, text in parameters_of(element).items()
         if name in ("min", "max")
     }
     lower, upper = bounds.get("min", -inf), bounds.get("max", inf)
@@ -182,20 +182,16 @@ def _command_interface(reader: XmlReader, element: etree._Element) -> CommandInt
 
 
 def _state_interface(reader: XmlReader, element: etree._Element) -> StateInterface:
-    initial = _parameters(element).get("initial_value")
+    initial = parameters_of(element).get("initial_value")
     value = None if initial is None else reader.parse_number(element, initial, "initial_value")
     return StateInterface(reader.text(element, "name"), value)
-
-
-def _parameters(element: etree._Element) -> dict[str, str]:
-    return {item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")}
 
 
 def _with_mimic_of_ros2_control(reader: XmlReader, joints: Iterable[Joint]) -> Iterable[Joint]:
     """Add followers that only ``<ros2_control>`` declares (``<param name="mimic">``, as before ROS 2 Jazzy)."""
     followers: dict[str, Mimic] = {}
     for element in reader.root.iterfind("ros2_control/joint"):
-        parameters = _parameters(element)
+        parameters = parameters_of(element)
         if "mimic" in parameters:
             followers[reader.text(element, "name")] = Mimic(
                 parameters["mimic"],

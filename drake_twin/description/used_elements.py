@@ -25,12 +25,21 @@ class Part:
     names: frozenset[str] | None = None
 
 
-def _part(attributes: str = "", names: str | None = None, **children: Part) -> Part:
-    return Part(frozenset(attributes.split()), children, None if names is None else frozenset(names.split()))
+def _part(attributes: str = "", texts: str = "", names: str | None = None, **children: Part) -> Part:
+    """Return a part with attributes, with elements that are read as text, and with other elements."""
+    every = {**dict.fromkeys(texts.split(), Part()), **children}
+    return Part(frozenset(attributes.split()), every, None if names is None else frozenset(names.split()))
 
 
-_TEXT = _part()
-_TEXT_OR_VALUE = _part("value")
+# Of <gazebo>: their text, or Gazebo classic's value="…". The last two ask that fixed joints are not lumped together,
+# which the twin never does.
+_TEXT_OR_VALUE = dict.fromkeys(
+    (
+        *("mu1", "mu2", "selfCollide", "self_collide", "static", "gravity", "turnGravityOff"),
+        *("preserveFixedJoint", "disableFixedJointLumping"),
+    ),
+    _part("value"),
+)
 _ORIGIN = _part("xyz rpy")
 _GEOMETRY = _part(
     box=_part("size"),
@@ -40,9 +49,9 @@ _GEOMETRY = _part(
     ellipsoid=_part("a b c"),
     mesh=_part("filename scale"),
 )
-_GPIO_INTERFACE = _part("name data_type", param=_part("name", "initial_value"))
+_GPIO_INTERFACE = _part("name data_type", param=_part("name", names="initial_value"))
 _MATERIAL = _part("name", color=_part("rgba"))
-_SURFACE = _part(friction=_part(ode=_part(mu=_TEXT, mu2=_TEXT)))  # of which the smaller one counts
+_SURFACE = _part(friction=_part(ode=_part(texts="mu mu2")))  # of which the smaller one counts
 URDF = _part(
     "name version",
     material=_MATERIAL,
@@ -64,122 +73,74 @@ URDF = _part(
     ),
     ros2_control=_part(
         "name type",
-        hardware=_part(plugin=_TEXT, param=_part("name", "hold_joints position_proportional_gain mock_gpio_commands")),
+        hardware=_part(
+            texts="plugin", param=_part("name", names="hold_joints position_proportional_gain mock_gpio_commands")
+        ),
         joint=_part(
             "name mimic",
-            command_interface=_part("name", param=_part("name", "min max")),
-            state_interface=_part("name", param=_part("name", "initial_value")),
-            param=_part("name", "mimic multiplier offset"),
+            command_interface=_part("name", param=_part("name", names="min max")),
+            state_interface=_part("name", param=_part("name", names="initial_value")),
+            param=_part("name", names="mimic multiplier offset"),
         ),
         sensor=_part(
             "name",
-            state_interface=_part("name data_type", param=_part("name", "initial_value")),
+            state_interface=_part("name data_type", param=_part("name", names="initial_value")),
             param=_part("name"),
         ),
         gpio=_part("name", command_interface=_GPIO_INTERFACE, state_interface=_GPIO_INTERFACE),
     ),
-    # The last two ask that fixed joints are not lumped together, which the twin never does.
     gazebo=_part(
         "reference",
-        mu1=_TEXT_OR_VALUE,
-        mu2=_TEXT_OR_VALUE,
-        selfCollide=_TEXT_OR_VALUE,
-        self_collide=_TEXT_OR_VALUE,
-        material=_TEXT,
-        static=_TEXT_OR_VALUE,
-        gravity=_TEXT_OR_VALUE,
-        turnGravityOff=_TEXT_OR_VALUE,
-        preserveFixedJoint=_TEXT_OR_VALUE,
-        disableFixedJointLumping=_TEXT_OR_VALUE,
+        "material",
         collision=_part(surface=_SURFACE),
-        visual=_part(material=_part(diffuse=_TEXT, ambient=_TEXT)),
+        visual=_part(material=_part(texts="diffuse ambient")),
+        **_TEXT_OR_VALUE,
     ),
 )
 
-_XYZ = _part("expressed_in", x=_TEXT, y=_TEXT, z=_TEXT)
 _POSE = _part("relative_to rotation_format degrees frame")
 _SDF_GEOMETRY = _part(
-    box=_part(size=_TEXT),
-    cylinder=_part(radius=_TEXT, length=_TEXT),
-    sphere=_part(radius=_TEXT),
-    capsule=_part(radius=_TEXT, length=_TEXT),
-    cone=_part(radius=_TEXT, length=_TEXT),
-    ellipsoid=_part(radii=_TEXT),
-    mesh=_part(uri=_TEXT, scale=_TEXT),
-    plane=_part(normal=_TEXT, size=_TEXT),
-    empty=_TEXT,
+    texts="empty",
+    box=_part(texts="size"),
+    cylinder=_part(texts="radius length"),
+    sphere=_part(texts="radius"),
+    capsule=_part(texts="radius length"),
+    cone=_part(texts="radius length"),
+    ellipsoid=_part(texts="radii"),
+    mesh=_part(texts="uri scale"),
+    plane=_part(texts="normal size"),
 )
 _AXIS = _part(
+    texts="use_parent_model_frame",
     xyz=_part("expressed_in"),
-    limit=_part(lower=_TEXT, upper=_TEXT, effort=_TEXT, velocity=_TEXT),
-    dynamics=_part(damping=_TEXT, friction=_TEXT, spring_reference=_TEXT, spring_stiffness=_TEXT),
-    use_parent_model_frame=_TEXT,
+    limit=_part(texts="lower upper effort velocity"),
+    dynamics=_part(texts="damping friction spring_reference spring_stiffness"),
 )
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
+    "static self_collide",
     pose=_POSE,
-    static=_TEXT,
-    self_collide=_TEXT,
     frame=_part("name attached_to", pose=_POSE),
     link=_part(
         "name",
+        "gravity self_collide",
         pose=_POSE,
-        inertial=_part(
-            pose=_POSE,
-            mass=_TEXT,
-            inertia=_part(ixx=_TEXT, ixy=_TEXT, ixz=_TEXT, iyy=_TEXT, iyz=_TEXT, izz=_TEXT),
-        ),
-        gravity=_TEXT,
-        self_collide=_TEXT,
-        visual=_part(
-            "name",
-            pose=_POSE,
-            geometry=_SDF_GEOMETRY,
-            material=_part(diffuse=_TEXT, ambient=_TEXT),
-        ),
+        inertial=_part(texts="mass", pose=_POSE, inertia=_part(texts="ixx ixy ixz iyy iyz izz")),
+        visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient")),
         collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
-    joint=_part(
-        "name type",
-        pose=_POSE,
-        parent=_TEXT,
-        child=_TEXT,
-        axis=_AXIS,
-        axis2=_AXIS,
-        thread_pitch=_TEXT,
-        screw_thread_pitch=_TEXT,
-    ),
+    joint=_part("name type", "parent child thread_pitch screw_thread_pitch", pose=_POSE, axis=_AXIS, axis2=_AXIS),
 )
 
 SDF_LIGHT = _part(
     "name type",
+    "direction diffuse specular intensity cast_shadows light_on visualize",
     pose=_POSE,
-    direction=_TEXT,
-    diffuse=_TEXT,
-    specular=_TEXT,
-    intensity=_TEXT,
-    attenuation=_part(range=_TEXT, constant=_TEXT, linear=_TEXT, quadratic=_TEXT),
-    spot=_part(inner_angle=_TEXT, outer_angle=_TEXT, falloff=_TEXT),
-    cast_shadows=_TEXT,
-    light_on=_TEXT,
-    visualize=_TEXT,
+    attenuation=_part(texts="range constant linear quadratic"),
+    spot=_part(texts="inner_angle outer_angle falloff"),
 )
-SDF_PHYSICS = _part(
-    "name type default",
-    max_step_size=_TEXT,
-    real_time_factor=_TEXT,
-    real_time_update_rate=_TEXT,
-    max_contacts=_TEXT,
-    gravity=_TEXT,
-)
-SDF_SPHERICAL = _part(
-    surface_model=_TEXT,
-    latitude_deg=_TEXT,
-    longitude_deg=_TEXT,
-    elevation=_TEXT,
-    heading_deg=_TEXT,
-    world_frame_orientation=_TEXT,
-)
+SDF_PHYSICS = _part("name type default", "max_step_size real_time_factor real_time_update_rate max_contacts gravity")
+SDF_SPHERICAL = _part(texts="surface_model latitude_deg longitude_deg elevation heading_deg world_frame_orientation")
 # Elements of SDF that need no finding in a world: how things look, contact (`unused_contact` reports it), and what
 # `sdf_model` reports itself, with models, plugins, sensors and lights inside.
 NO_EFFECT_IN_WORLDS = frozenset(
@@ -202,16 +163,11 @@ NO_EFFECT_IN_WORLDS = frozenset(
     )
 )
 
-REPORTED = _part()  # in a finding of its own
 # The last two say where gz_ros2_control finds the robot, which is in the same file here.
 ROS2_CONTROL = _part(
     "filename name",
-    parameters=_TEXT,
-    ros=_part(namespace=_TEXT, remapping=_TEXT),
-    hold_joints=_TEXT,
-    position_proportional_gain=_TEXT,
-    robot_param=_TEXT,
-    robot_param_node=_TEXT,
+    "parameters hold_joints position_proportional_gain robot_param robot_param_node",
+    ros=_part(texts="namespace remapping"),
 )
 
 # Parent and child, where several children are used; of any other only the first one is.
@@ -244,5 +200,5 @@ def weight_of(element: etree._Element) -> Weight:
 
 def is_known(parent: etree._Element, child: etree._Element) -> bool:
     """Tell whether the twin or Drake reads an element of ``<robot>``, ``<link>`` or ``<joint>``."""
-    above = URDF if parent.tag == "robot" else URDF.children.get(str(parent.tag), _TEXT)
+    above = URDF if parent.tag == "robot" else URDF.children.get(str(parent.tag), Part())
     return child.tag in above.children or str(child.tag).startswith(DRAKE)

@@ -278,8 +278,6 @@ class _World:
     def _model(
         self, model: etree._Element, name: str, version: tuple[int, ...], X: Any, place: Place, reader: XmlReader
     ) -> WorldModel:
-        from pydrake.math import RollPitchYaw
-
         model.set("name", name)
         model.attrib.pop("placement_frame", "")  # X is the pose of the model's own frame
         static = is_static(model)
@@ -289,11 +287,13 @@ class _World:
             # Drake's parser fails at a static model that has links only in the models inside it.
             if static and nested.find("link") is not None:
                 etree.SubElement(nested, "static").text = "true"
-        own = (*X.translation(), *RollPitchYaw(X.rotation()).vector())
-        x, y, z, roll, pitch, yaw = map(float, self._poses.get(name, own))
+        pose = Pose.of(X)
+        if name in self._poses:
+            x, y, z, roll, pitch, yaw = map(float, self._poses[name])
+            pose = Pose((x, y, z), (roll, pitch, yaw))
         for each in model.findall("pose"):
             model.remove(each)
-        etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
+        etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
         robot = None if static else _robot_text(model, version, reader)
         documents = self._includes.documents
@@ -304,7 +304,6 @@ class _World:
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        pose = Pose((x, y, z), (roll, pitch, yaw))
         return WorldModel(name, pose, static, falling, text, place, robot, sensors.described())
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
@@ -330,22 +329,26 @@ class _World:
                 yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
 
     def _not_used(self) -> Iterator[Finding]:
-        yield from merged(
+        windows = [(f"<{child.tag}> of the world", child) for child in self._world.iterfind("gui")]
+        return merged(
             Finding.at(kind, what, self._reader.place(element), weight=weight_of(element), cause=cause)
-            for kind, cause in ((Kind.WINDOW, Cause.WINDOW), (Kind.IGNORED, Cause.UNREAD))
-            for what, element in self._dropped(is_window=kind is Kind.WINDOW)
+            for kind, cause, dropped in (
+                (Kind.WINDOW, Cause.WINDOW, windows),
+                (Kind.IGNORED, Cause.UNREAD, self._dropped()),
+            )
+            for what, element in dropped
         )
 
-    def _dropped(self, *, is_window: bool) -> Iterator[tuple[str, etree._Element]]:
+    def _dropped(self) -> Iterator[tuple[str, etree._Element]]:
         beside = [child for child in self._reader.root if child is not self._world and isinstance(child.tag, str)]
         beside += self._world.findall("gravity")[1:]
-        for child in beside if not is_window else ():
+        for child in beside:
             yield f"<{etree.QName(child).localname}> beside the first of the world", child
         for child in self._world:
-            if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
+            if not isinstance(child.tag, str) or child.tag in _USED | _SILENT | {"gui"}:
                 continue
             if child.tag == "scene" and any(child.find(tag) is not None for tag in _OF_SCENE):
-                for part in child.iterchildren(etree.Element) if not is_window else ():
+                for part in child.iterchildren(etree.Element):
                     if part.tag not in _OF_SCENE:
                         yield f"<{part.tag}> in <scene> of the world", part
                 continue
@@ -355,5 +358,4 @@ class _World:
                 if plugin_kind(plugin) in DONE_HERE or misspelt_plugin(plugin):  # `unread` says so
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename') or '?'}"
-            if is_window == (child.tag == "gui"):
-                yield f"{what} of the world", child
+            yield f"{what} of the world", child

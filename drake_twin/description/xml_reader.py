@@ -118,3 +118,8 @@ def described(element: etree._Element) -> str:
     if name is None and parent is not None and parent.getparent() is not None:
         text += f" of {described(parent)}"
     return text
+
+
+def parameters_of(element: etree._Element) -> dict[str, str]:
+    """Return the ``<param>`` values of an element of ``<ros2_control>``."""
+    return {item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")}

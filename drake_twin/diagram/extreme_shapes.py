@@ -7,6 +7,7 @@ import numpy as np
 from pydrake.geometry import Capsule, Convex, Ellipsoid, HalfSpace, Sphere
 
 from drake_twin.diagram.contact_shapes import ContactShape, extent_of
+from drake_twin.findings import first_of
 
 # What touches in a point sinks in by a tenth of a millimeter under its own weight.
 _THINNEST = 1e-4  # m
@@ -27,8 +28,7 @@ def said_of_extremes(shapes: Sequence[ContactShape]) -> Iterator[str]:
         for kind, value in _extremes(shape):
             found[model, kind].setdefault(shape.body.name(), value)
     for (model, kind), values in found.items():
-        more = f" and {len(values) - _MOST_NAMED} more" if len(values) > _MOST_NAMED else ""
-        bodies = ", ".join(list(values)[:_MOST_NAMED]) + more
+        bodies = first_of(values, _MOST_NAMED)
         yield f"{model}: {kind.format(bodies=bodies, value=f'{next(iter(values.values())):.3g}')}"
 
 

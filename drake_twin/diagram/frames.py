@@ -8,7 +8,7 @@ from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import POSED_JOINT_TYPES, Pose
 from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.robot_diagram import RobotDiagram
-from drake_twin.diagram.topics import Topics
+from drake_twin.diagram.topics import PublishedTopic, Topics
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
@@ -87,7 +87,7 @@ def add_frames(
     for plan in plans:
         topic = robot_topic(plan, ROBOT_DESCRIPTION)
         port = publisher.GetOutputPort(f"{plan.name}/robot_description")
-        topics.publish(topic, port, "std_msgs/msg/String", None, plan.name)
+        topics.publish(PublishedTopic(topic, "std_msgs/msg/String", port, None, plan.name))
     return publisher
 
 

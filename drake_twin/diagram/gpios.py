@@ -7,6 +7,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.interface import Interface
+from drake_twin.diagram.plant_inputs import free_name
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.gpio_hardware import GpioHardware, GpioState
 
@@ -36,11 +37,8 @@ def add_gpios(
     ]
     sources = {name: [indices.get(item, -1) for item in each.interfaces] for name, each in writing.items()}
     steps = max(1, ceil(1.0 / plan.manager.update_rate / time_step - 1e-6))
-    name = "gpios"
-    while builder.HasSubsystemNamed(name):
-        name += "_"
     hardware: GpioHardware = builder.AddNamedSystem(
-        name, GpioHardware([*commands.values()], states, sources, steps * time_step)
+        free_name(builder, "gpios"), GpioHardware([*commands.values()], states, sources, steps * time_step)
     )
     for name, controller in writing.items():
         builder.Connect(controller.get_command_interfaces_output_port(), hardware.get_controller_input_port(name))

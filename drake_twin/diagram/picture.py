@@ -19,7 +19,6 @@ _SYSTEM = re.compile(
 _PORT = re.compile(r'<TD PORT="([uy])(\d+)"[^>]*>(.+)</TD>')
 _END = re.compile(r"\b(s\d+(?:in|out)?):([uy])(\d+):(?=[we]\b)")
 _NOTHING = '<TD BORDER="1" COLOR="grey"{} SIDES="BLR"></TD>'
-_DOT_IN_SVG = re.compile(r"<metadata><!\[CDATA\[(.*?)\]\]></metadata>", re.DOTALL)
 
 
 def dot_text(diagram: Diagram) -> str:
@@ -90,18 +89,6 @@ def write_picture(diagram: Diagram, file: Path) -> None:
         write_whole(file, text)
     except OSError as error:
         raise InputError(f"cannot write the picture ({error.strerror})", file=file) from None
-
-
-def dot_text_of_svg(svg: str) -> str:
-    """Return the DOT text that an SVG of `write_picture` was drawn from.
-
-    Raises:
-        InputError: If the SVG contains none.
-    """
-    match = _DOT_IN_SVG.search(svg)
-    if match is None:
-        raise InputError("the SVG contains no DOT text: it was not written by drake_twin")
-    return match[1]
 
 
 def _with_sorted_edges(lines: list[str]) -> Iterator[str]:

@@ -3,17 +3,16 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 from pydrake.geometry import SceneGraph
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_drive import ROLLER_WHEELS
@@ -29,7 +28,7 @@ from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake,
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
-from drake_twin.diagram.world_in_plant import add_world
+from drake_twin.diagram.world_in_plant import add_world, remove_actuators
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.kinematics.state_layout import StateLayout
@@ -154,19 +153,15 @@ def add_plant(
     return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable)
 
 
-def rigid_transform(pose: Pose) -> RigidTransform:
-    """Return a pose as Drake's transform."""
-    return RigidTransform(RollPitchYaw(*pose.rpy), np.array(pose.xyz))
-
-
 @contextmanager
 def _drakes_refusal(what: str, plan: RobotPlan | None = None) -> Iterator[None]:
     """Convert what Drake raises to an error for the user; some of its checks raise SystemExit."""
     try:
         yield
     except DRAKE_RAISES as error:
-        reason = without_literal(" ".join(str(error).split())) or "no reason given"
-        refused = InputError(f"Drake refuses {what}: {reason}", file=None if plan is None else plan.description.file)
+        refused = InputError(
+            f"Drake refuses {what}: {reason_of(error)}", file=None if plan is None else plan.description.file
+        )
         if plan is not None and plan.model.drake_format == "sdf":
             refused = with_place(refused, XmlReader(plan.description.text, plan.description.file))
         raise refused from None
@@ -176,11 +171,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     with captured_warnings() as messages:
         (instance,) = _parse(plant, plan)
     texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
-    # Drake's parser actuates an SDF's joints; here only commanded joints have an actuator. (With an instance as
-    # argument, the plant lists its actuators only once it is finalized.)
-    for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
-        if actuator.model_instance() == instance:
-            plant.RemoveJointActuator(actuator)
+    remove_actuators(plant, [instance])  # here only commanded joints have one
     plant.set_gravity_enabled(instance, plan.model.falls)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     stays = plan.model.is_fixed or not plan.model.falls
@@ -193,12 +184,8 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     if plan.description.base_joints:
         add_planar_joints(plant, plant.GetBodyByName(plan.model.root_body, instance), plan.spawn_pose)
     for joint in plan.description.actuated_joints:
-        limit = joint.limits.effort
-        actuator = plant.AddJointActuator(
-            joint.name,
-            plant.GetJointByName(joint.name, instance),
-            limit if isfinite(limit) else float("inf"),
-        )
+        moved = plant.GetJointByName(joint.name, instance)
+        actuator = plant.AddJointActuator(joint.name, moved, joint.limits.effort)
         if joint.armature:
             actuator.set_default_rotor_inertia(joint.armature)
     for joint in plan.description.movable_joints:
@@ -214,7 +201,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
                 brake.set_default_rotor_inertia(joint.armature)  # Drake uses that of a joint's last actuator alone
     if plan.model.is_fixed:
         root = plant.GetBodyByName(plan.model.root_body, instance)
-        plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))
+        plant.WeldFrames(plant.world_frame(), root.body_frame(), plan.spawn_pose.transform())
     return instance
 
 
@@ -270,7 +257,7 @@ def _contact_models(
             plan.name,
             (instances[plan.name],),
             plan.robot.contact,
-            rigid_transform(plan.spawn_pose),
+            plan.spawn_pose.transform(),
             colliding := _colliding_links(plan),
             plan.robot.friction,
             folded={} if colliding == set() else _folded(plan),
@@ -353,7 +340,7 @@ def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotP
         start = plant.GetBodyByName(drake_link_name(link), instance).floating_positions_start()
         free[every.index(start)] = Pose(plan.robot.xyz, plan.robot.rpy).compose(pose)
     for position, pose in free.items():
-        X_WB = rigid_transform(pose)
+        X_WB = pose.transform()
         q[position:][:4] = X_WB.rotation().ToQuaternion().wxyz()
         q[position:][4:7] = X_WB.translation()
     plant.SetDefaultPositions(instance, q)

@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder, System
 from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_other_sensors
-from drake_twin.diagram.topics import Topics
+from drake_twin.diagram.topics import PublishedTopic, Topics
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.planning.robot_plan import RobotPlan
@@ -30,12 +30,18 @@ def publish_sensors(owner: str, ports: Iterable[SensorPort], system: System, top
     """
     for item in ports:
         assert item.topic.topic is not None, "a topic without a port"
-        rate, sensor = item.plan.rate or 1.0 / time_step, item.plan.place
-        port = system.GetOutputPort(item.name)
         delay = item.system.delay
-        drafter = None if delay is None else partial(_ask, item)
         topics.publish(
-            item.topic.topic, port, item.topic.type, rate, owner, sensor=sensor, drafter=drafter, delay=delay
+            PublishedTopic(
+                item.topic.topic,
+                item.topic.type,
+                system.GetOutputPort(item.name),
+                item.plan.rate or 1.0 / time_step,
+                owner,
+                sensor=item.plan.place,
+                drafter=None if delay is None else partial(_ask, item),
+                delay=delay,
+            )
         )
 
 

@@ -5,7 +5,7 @@ topic's name with ``@ROBOT/CONTROLLER`` after it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, count
 
 from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
@@ -67,31 +67,18 @@ class Topics:
     """Collect the topics while the diagram is built, and export each topic's port under its name.
 
     Attributes:
-        published: Port → topic, message type, rate (Hz), robot, controller and sensor.
-        subscribed: Port → topic, message type, robot, controller and the controller's own topic.
+        published: Port → what is published there; its port is the system's own.
+        subscribed: Port → what a controller subscribes to there.
         actions: The same, for actions.
     """
 
     def __init__(self, builder: DiagramBuilder):
         self._builder = builder
-        self._drafters: dict[str, Callable[[Reading], Draft] | None] = {}
-        self._delays: dict[str, float | None] = {}
-        self.published: dict[str, tuple[str, str, float | None, tuple[str, str, str]]] = {}
-        self.subscribed: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
-        self.actions: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
+        self.published: dict[str, PublishedTopic] = {}
+        self.subscribed: dict[str, CommandTopic] = {}
+        self.actions: dict[str, CommandTopic] = {}
 
-    def publish(
-        self,
-        topic: str,
-        port: OutputPort,
-        kind: str,
-        rate: float | None,
-        robot: str = "",
-        controller: str = "",
-        sensor: str = "",
-        drafter: Callable[[Reading], Draft] | None = None,
-        delay: float | None = None,
-    ) -> None:
+    def publish(self, item: PublishedTopic) -> None:
         """Export an output port under a topic's name.
 
         If several controllers of one robot publish the same type on one topic, only the first does.
@@ -99,57 +86,42 @@ class Topics:
         Raises:
             InputError: If another message type is published on the topic.
         """
-        if topic in self.published:
-            _, known, _, (owner, *_) = self.published[topic]
-            if robot and (known, owner) == (kind, robot):
+        known = self.published.get(item.topic)
+        if known is not None:
+            if item.robot and (known.type, known.robot) == (item.type, item.robot):
                 return
-            _refuse_other_type(topic, known, kind, owner, robot)
-        name = _port_name(topic, self.published, robot, controller)
-        self._builder.ExportOutput(port, name[1:])
-        self.published[name] = (topic, kind, rate, (robot, controller, sensor))
-        self._drafters[name] = drafter
-        self._delays[name] = delay
+            _refuse_other_type(known, item)
+        name = _port_name(item, self.published)
+        self._builder.ExportOutput(item.port, name[1:])
+        self.published[name] = item
 
-    def listen(self, topic: str, port: InputPort, kind: str, *owner: str, action: bool = False) -> None:
+    def listen(self, item: CommandTopic, *, action: bool = False) -> None:
         """Export an input port under the name of a topic or an action.
-
-        Args:
-            topic: The full name.
-            port: The controller's port.
-            kind: The ROS type.
-            *owner: The robot, the controller and the controller's own topic.
-            action: Whether the port is that of an action.
 
         Raises:
             InputError: If another controller has the action, or subscribes to the topic with another type.
         """
-        robot, controller, own = owner
         known = self.actions if action else self.subscribed
-        if topic in known:
-            _, kind_before, before = known[topic]
+        if (before := known.get(item.topic)) is not None:
             if action:
-                raise InputError(f"robots {before[0]!r} and {robot!r} would both have the action {topic}")
-            _refuse_other_type(topic, kind_before, kind, before[0], robot)
-        name = _port_name(topic, known, robot, controller)
-        self._builder.ExportInput(port, name[1:])
-        known[name] = (topic, kind, (robot, controller, own))
+                what = f"robots {before.robot!r} and {item.robot!r} would both have the action {item.topic}"
+                raise InputError(what)
+            _refuse_other_type(before, item)
+        name = _port_name(item, known)
+        self._builder.ExportInput(item.port, name[1:])
+        known[name] = item
 
     def published_of(self, diagram: Diagram) -> dict[str, PublishedTopic]:
         """Return the published topics of the built diagram."""
-        return {
-            name: PublishedTopic(
-                topic, kind, diagram.GetOutputPort(name[1:]), rate, *owner, self._drafters[name], self._delays[name]
-            )
-            for name, (topic, kind, rate, owner) in self.published.items()
-        }
+        return {name: replace(item, port=diagram.GetOutputPort(name[1:])) for name, item in self.published.items()}
 
     def commanded_of(self, diagram: Diagram) -> dict[str, CommandTopic]:
         """Return the topics of the built diagram that controllers subscribe to."""
-        return _ports(diagram, self.subscribed)
+        return {name: replace(item, port=diagram.GetInputPort(name[1:])) for name, item in self.subscribed.items()}
 
     def actions_of(self, diagram: Diagram) -> dict[str, CommandTopic]:
         """Return the actions of the built diagram."""
-        return _ports(diagram, self.actions)
+        return {name: replace(item, port=diagram.GetInputPort(name[1:])) for name, item in self.actions.items()}
 
 
 def ports_by_topic(ports: Mapping[str, PublishedTopic] | Mapping[str, CommandTopic]) -> dict[str, tuple[str, ...]]:
@@ -160,21 +132,14 @@ def ports_by_topic(ports: Mapping[str, PublishedTopic] | Mapping[str, CommandTop
     return found
 
 
-def _ports(diagram: Diagram, known: Mapping[str, tuple[str, str, tuple[str, str, str]]]) -> dict[str, CommandTopic]:
-    return {
-        name: CommandTopic(topic, kind, diagram.GetInputPort(name[1:]), *owner)
-        for name, (topic, kind, owner) in known.items()
-    }
-
-
-def _port_name(topic: str, known: Mapping[str, object], robot: str, controller: str) -> str:
+def _port_name(item: PublishedTopic | CommandTopic, known: Mapping[str, object]) -> str:
     """Return a port's name that is free: the topic's, or for a further port one with its owner."""
-    owned = f"{topic}@{robot}/{controller}"
-    names = chain((topic, owned), (f"{owned}/{number}" for number in count(2)))
+    owned = f"{item.topic}@{item.robot}/{item.controller}"
+    names = chain((item.topic, owned), (f"{owned}/{number}" for number in count(2)))
     return next(name for name in names if name not in known)
 
 
-def _refuse_other_type(topic: str, known: str, kind: str, owner: str, robot: str) -> None:
-    if known != kind:
-        what = f"{topic} would have two types: {known} for robot {owner!r} and {kind} for {robot!r}"
-        raise InputError(f"{what}. Give each its own namespace")
+def _refuse_other_type(known: PublishedTopic | CommandTopic, item: PublishedTopic | CommandTopic) -> None:
+    if known.type != item.type:
+        types = f"{known.type} for robot {known.robot!r} and {item.type} for {item.robot!r}"
+        raise InputError(f"{item.topic} would have two types: {types}. Give each its own namespace")

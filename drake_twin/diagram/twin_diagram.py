@@ -1,7 +1,7 @@
 """The root diagram of a twin: plant, scene graph, one sub-diagram per robot, clock, tf and viewer."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,9 +12,7 @@ from pydrake.systems.framework import (
     Diagram,
     DiagramBuilder,
     InputPort,
-    InputPortIndex,
     OutputPort,
-    OutputPortIndex,
     System,
 )
 
@@ -107,6 +105,8 @@ class TwinDiagram:
         return owners
 
 
+_TF = "tf2_msgs/msg/TFMessage"
+
 # Adds a user's own systems to the diagram before it is built; see `build_twin_diagram`.
 Extension = Callable[[DiagramBuilder, "DiagramParts"], None]
 
@@ -137,9 +137,9 @@ class DiagramParts:
         own = {"state": self.plant.get_state_output_port, "net_actuation": self.plant.get_net_actuation_output_port}
         if name in own:
             return own[name](self.plant.GetModelInstanceByName(robot))
-        ports = [system.get_output_port(OutputPortIndex(i)).get_name() for i in range(system.num_output_ports())]
-        valid = [*own, *ports]
-        if name not in valid:
+        if not system.HasOutputPort(name):
+            ports = map(system.get_output_port, range(system.num_output_ports()))
+            valid = [*own, *(port.get_name() for port in ports)]
             raise InputError(f"robot {robot!r} has no output port {name!r}", value=name, valid=valid)
         return system.GetOutputPort(name)
 
@@ -150,8 +150,8 @@ class DiagramParts:
             InputError: If the robot or the port is unknown.
         """
         system = self._robot(robot)
-        valid = [system.get_input_port(InputPortIndex(i)).get_name() for i in range(system.num_input_ports())]
-        if name not in valid:
+        if not system.HasInputPort(name):
+            valid = [port.get_name() for port in map(system.get_input_port, range(system.num_input_ports()))]
             raise InputError(f"robot {robot!r} has no input port {name!r}", value=name, valid=valid)
         return system.GetInputPort(name)
 
@@ -232,11 +232,10 @@ def _build(
     about_sensors = add_sensors(builder, parts, plans, models, robots, topics, surroundings)
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
-    clock_type = "rosgraph_msgs/msg/Clock"
-    topics.publish("/clock", clock.get_clock_output_port(), clock_type, 100.0, drafter=clock.drafter())
-    tf_type = "tf2_msgs/msg/TFMessage"
-    topics.publish("/tf", frames.get_tf_output_port(), tf_type, 20.0, drafter=frames.tf_drafter())
-    topics.publish("/tf_static", frames.get_tf_static_output_port(), tf_type, None)
+    clock_port = clock.get_clock_output_port()
+    topics.publish(PublishedTopic("/clock", "rosgraph_msgs/msg/Clock", clock_port, 100.0, drafter=clock.drafter()))
+    topics.publish(PublishedTopic("/tf", _TF, frames.get_tf_output_port(), 20.0, drafter=frames.tf_drafter()))
+    topics.publish(PublishedTopic("/tf_static", _TF, frames.get_tf_static_output_port(), None))
     _add_ground_truth(builder, parts, plans, topics)
     _add_entity_states(builder, parts, plans, topics)
     visualizer = add_visualizer(builder, parts.scene_graph, meshcat)
@@ -248,6 +247,10 @@ def _build(
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
     about_tumbling = tuple(add_gyroscopic_moments(builder, parts.plant))
+    about_robots: list[Finding] = []
+    for plan in plans:
+        about_robots += plan.findings
+        about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     tell("building the diagram")
     diagram = builder.Build()
     diagram.set_name("twin")
@@ -273,7 +276,7 @@ def _build(
         renderer=renderer,
         findings=(
             *scenario.findings,
-            *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
+            *about_robots,
             *about_sensors,
             *colliding_transforms(robots),
             *(() if world_file is None else world_file.findings),
@@ -306,11 +309,6 @@ def _export_vectors(
                 builder.ExportOutput(robot.diagram.GetOutputPort(f"{controller}/{own}"), f"{name}/{controller}/{own}")
 
 
-def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:
-    yield from plan.findings
-    yield from (Finding(Kind.WARNING, text, robot=plan.name) for text in parts.warnings)
-
-
 def _type(plan: ControllerPlan, own: str, kind: str) -> str:
     """Return the ROS type of a controller's topic."""
     return kind if plan.wiring is None else plan.wiring.types.get(own, kind)
@@ -336,24 +334,24 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
         drafter = None if robot.delays else robot.broadcaster.drafter(name, in_plant.places)
-        topic, rate = robot_topic(plan, name), plan.manager.update_rate
-        topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name, drafter=drafter)
+        topic, rate, port = robot_topic(plan, name), plan.manager.update_rate, system.GetOutputPort(name)
+        topics.publish(PublishedTopic(topic, kind, port, rate, plan.name, drafter=drafter))
     publish_sensors(plan.name, robot.sensors, system, topics, surroundings.time_step)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
             if (listened := controller_topic(plan, plans[name], own)) is not None:
                 port = system.GetInputPort(f"{name}/{own}")
-                topics.listen(listened, port, _type(plans[name], own, kind), plan.name, name, own)
+                topics.listen(CommandTopic(listened, _type(plans[name], own, kind), port, plan.name, name, own))
         for own, kind in item.actions.items():
             port = system.GetInputPort(f"{name}/{own}")
             action_name = f"{plan.robot.topic_namespace}/{name}/{own}"
-            topics.listen(action_name, port, kind, plan.name, name, own, action=True)
+            topics.listen(CommandTopic(action_name, kind, port, plan.name, name, own), action=True)
         for own, kind in item.published.items():
             published = controller_topic(plan, plans[name], own)
             if published is not None and own != TF_ODOMETRY:  # published on /tf
-                output = system.GetOutputPort(f"{name}/{own}")
+                output, rate = system.GetOutputPort(f"{name}/{own}"), plans[name].update_rate
                 drafter = None if robot.delays else item.drafter(own, in_plant.places)
-                topics.publish(published, output, kind, plans[name].update_rate, plan.name, name, drafter=drafter)
+                topics.publish(PublishedTopic(published, kind, output, rate, plan.name, name, drafter=drafter))
     return robot
 
 
@@ -371,8 +369,8 @@ def _add_ground_truth(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequen
     builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
     for plan, base in zip(plans, bases, strict=True):
         topic, drafter = robot_topic(plan, GROUND_TRUTH), publisher.drafter(base)
-        port = publisher.get_odom_output_port(plan.name)
-        topics.publish(topic, port, "nav_msgs/msg/Odometry", plan.manager.update_rate, plan.name, drafter=drafter)
+        port, rate = publisher.get_odom_output_port(plan.name), plan.manager.update_rate
+        topics.publish(PublishedTopic(topic, "nav_msgs/msg/Odometry", port, rate, plan.name, drafter=drafter))
 
 
 def _add_entity_states(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequence[RobotPlan], topics: Topics) -> None:
@@ -388,8 +386,9 @@ def _add_entity_states(builder: DiagramBuilder, parts: PlantOfTwin, plans: Seque
     publisher = builder.AddNamedSystem("entity_states", EntityStatePublisher(models, links))
     builder.Connect(plant.get_body_poses_output_port(), publisher.get_body_poses_input_port())
     builder.Connect(plant.get_body_spatial_velocities_output_port(), publisher.get_body_spatial_velocities_input_port())
-    topics.publish("/model_states", publisher.get_model_states_output_port(), "gazebo_msgs/msg/ModelStates", 10.0)
-    topics.publish("/link_states", publisher.get_link_states_output_port(), "gazebo_msgs/msg/LinkStates", 10.0)
+    models_port, links_port = publisher.get_model_states_output_port(), publisher.get_link_states_output_port()
+    topics.publish(PublishedTopic("/model_states", "gazebo_msgs/msg/ModelStates", models_port, 10.0))
+    topics.publish(PublishedTopic("/link_states", "gazebo_msgs/msg/LinkStates", links_port, 10.0))
 
 
 def _name_unnamed(systems: Iterable[System]) -> None:

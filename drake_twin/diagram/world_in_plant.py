@@ -1,6 +1,7 @@
 """The world in the plant: gravity, ground, and the static and moving models of an SDF world."""
 
 from collections import defaultdict
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.world_file import WorldFile, WorldModel
 from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.contact_roles import ROUGH
@@ -115,8 +116,8 @@ def _add_models(
                     _try_out(model, plant.time_step())
                     moving[model.name] = _add_moving(plant, model)
             except (*DRAKE_RAISES, InputError) as error:
-                reason = without_literal(" ".join(str(error).split())) or "no reason given"
-                what = f"{model.name}: the model is left out, because Drake refuses it ({reason.rstrip('.')})"
+                reason = reason_of(error).rstrip(".")
+                what = f"{model.name}: the model is left out, because Drake refuses it ({reason})"
                 findings.append(Finding.at(Kind.IGNORED, what, model.place))
         for what in dict.fromkeys(said):
             meshes[Finding(Kind.WARNING, what, cause=Cause.MESH)][model.name] = model.place
@@ -141,11 +142,15 @@ def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstance
         if plant.GetModelInstanceName(index) == model.name
         or plant.GetModelInstanceName(index).startswith(f"{model.name}::")
     ]
-    # Drake's parser actuates joints, but nothing commands these. (With an instance as argument, the plant lists its
-    # actuators only once it is finalized.)
-    for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
-        if actuator.model_instance() in every:
-            plant.RemoveJointActuator(actuator)
+    remove_actuators(plant, every)  # nothing commands these
     for index in every:
         plant.set_gravity_enabled(index, model.falls)
     return tuple(every)
+
+
+def remove_actuators(plant: MultibodyPlant, instances: Collection[ModelInstanceIndex]) -> None:
+    """Remove the actuators with which Drake's parser drives the joints of model instances."""
+    # With an instance as argument, the plant lists its actuators only once it is finalized.
+    for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
+        if actuator.model_instance() in instances:
+            plant.RemoveJointActuator(actuator)

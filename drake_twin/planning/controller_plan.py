@@ -7,31 +7,10 @@ from typing import Any
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.sensor_reader import SensorReader
-from drake_twin.description.gazebo_drive import Element
+from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.errors import InputError
 
 UNLOADED, UNCONFIGURED, INACTIVE, ACTIVE = "unloaded", "unconfigured", "inactive", "active"
-
-
-@dataclass(frozen=True)
-class Wiring:
-    """The topics and odometry of a controller that comes from a Gazebo plugin.
-
-    Attributes:
-        topics: The controller's topic → the plugin's topic, below the robot's namespace or with a leading ``/``. Other
-            topics do not exist.
-        gz_topics: The controller's topic → its name in gz, by which a bridge may rename it; ``{model}`` stands for the
-            robot.
-        types: The controller's topic → its ROS type, if the plugin's is another one.
-        elements: The controller's topic → the field, and its element, of the plugin's message that commands all joints.
-        true_odometry: Whether its odometry is the true pose instead of an estimate from its wheels.
-    """
-
-    topics: Mapping[str, str] = field(default_factory=dict)
-    gz_topics: Mapping[str, str] = field(default_factory=dict)
-    types: Mapping[str, str] = field(default_factory=dict)
-    elements: Mapping[str, Element] = field(default_factory=dict)
-    true_odometry: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,7 +28,7 @@ class ControllerPlan:
         update_rate: The rate of its updates (Hz).
         problem: Why it cannot be configured or activated; None if it can.
         error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.
-        wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
+        wiring: The Gazebo plugin that it comes from, with its topics; None for a controller of ros2_control.
         fallbacks: The controllers that replace it when it fails.
         exported: The names of the state interfaces that it exports, without its own as prefix.
         ros_parameters: Its parameters as its files give them, by their names in ROS.
@@ -64,7 +43,7 @@ class ControllerPlan:
     update_rate: float = 100.0
     problem: str | None = None
     error: InputError | None = None
-    wiring: Wiring | None = None
+    wiring: GazeboDrive | None = None
     fallbacks: tuple[str, ...] = ()
     exported: tuple[str, ...] = ()
     ros_parameters: Mapping[str, Any] = field(default_factory=dict)

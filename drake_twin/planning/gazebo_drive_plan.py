@@ -23,7 +23,7 @@ from drake_twin.description.robot_description import (
     StateInterface,
 )
 from drake_twin.findings import Cause, Finding, Kind
-from drake_twin.planning.controller_plan import ControllerPlan, Wiring
+from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.scenario import Robot
 
 _UNSTAMPED = "_unstamped"
@@ -149,11 +149,6 @@ def drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> d
             name += "_plugin"
         found[name] = drive
     return found
-
-
-def wiring_of(drive: GazeboDrive) -> Wiring:
-    """Return the topics of a plugin's controller."""
-    return Wiring(drive.topics, drive.gz_topics, drive.types, drive.elements, drive.true_odometry)
 
 
 def leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:

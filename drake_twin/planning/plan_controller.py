@@ -23,51 +23,17 @@ def plan_controller(
     manager_rate: float,
     known: Container[str],
 ) -> tuple[ControllerPlan, tuple[Finding, ...]]:
-    """Plan a controller; one with wrong parameters has an ``error``.
+    """Plan a controller.
 
     Args:
         controller: Its parameters.
         description: The robot.
         manager_rate: The controller manager's rate (Hz).
         known: The names of all controllers, whose references it may claim.
-    """
-    try:
-        return _plan(controller, description, manager_rate, known)
-    except InputError as error:
-        return ControllerPlan(controller.name, controller.type, problem=str(error), error=error), ()
-
-
-def check_references(plans: dict[str, ControllerPlan], by_name: Mapping[str, ControllerParameters]) -> None:
-    """Add an error for each claim of a reference that another controller does not have.
 
     Raises:
-        InputError: If controllers claim each other's references in a circle.
+        InputError: If its parameters are wrong.
     """
-    for name, plan in plans.items():
-        for claim in plan.claims:
-            if not is_chained(claim, plans):
-                continue
-            owner, _, joint = claim.joint.partition("/")
-            if Interface(joint, claim.name) not in plans[owner].references:
-                valid = [f"{owner}/{reference}" for reference in plans[owner].references]
-                error = by_name[name].error(f"controller {owner!r} has no reference {claim}", valid=valid)
-                plans[name] = replace(plan, problem=str(error), error=error)
-                break
-    below = {name: chained_to(plan, plans) for name, plan in plans.items()}
-    try:
-        TopologicalSorter(below).prepare()
-    except CycleError as error:
-        circle = error.args[1][:-1]
-        what = f"the controllers {', '.join(circle)} claim each other's references in a circle"
-        raise by_name[circle[0]].error(what) from None
-
-
-def _plan(
-    controller: ControllerParameters,
-    description: RobotDescription,
-    manager_rate: float,
-    known: Container[str],
-) -> tuple[ControllerPlan, tuple[Finding, ...]]:
     rate = controller.parameters.get("update_rate", manager_rate)
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
@@ -99,6 +65,31 @@ def _plan(
     exported = kind.exported_interfaces(parameters)
     plan = replace(plan, parameters=parameters, claims=claims, references=references, exported=exported)
     return replace(plan, problem=problem), ignored
+
+
+def check_references(plans: dict[str, ControllerPlan], by_name: Mapping[str, ControllerParameters]) -> None:
+    """Add an error for each claim of a reference that another controller does not have.
+
+    Raises:
+        InputError: If controllers claim each other's references in a circle.
+    """
+    for name, plan in plans.items():
+        for claim in plan.claims:
+            if not is_chained(claim, plans):
+                continue
+            owner, _, joint = claim.joint.partition("/")
+            if Interface(joint, claim.name) not in plans[owner].references:
+                valid = [f"{owner}/{reference}" for reference in plans[owner].references]
+                error = by_name[name].error(f"controller {owner!r} has no reference {claim}", valid=valid)
+                plans[name] = replace(plan, problem=str(error), error=error)
+                break
+    below = {name: chained_to(plan, plans) for name, plan in plans.items()}
+    try:
+        TopologicalSorter(below).prepare()
+    except CycleError as error:
+        circle = error.args[1][:-1]
+        what = f"the controllers {', '.join(circle)} claim each other's references in a circle"
+        raise by_name[circle[0]].error(what) from None
 
 
 @lru_cache(maxsize=256)

@@ -12,7 +12,7 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan, chained_to
 from drake_twin.planning.frame_names import misspelt_frame
-from drake_twin.planning.gazebo_drive_plan import drives_by_name, leave_one_transform, wiring_of, with_stamps
+from drake_twin.planning.gazebo_drive_plan import drives_by_name, leave_one_transform, with_stamps
 from drake_twin.planning.idle_hardware import idle_joints
 from drake_twin.planning.plan_controller import check_references, plan_controller
 from drake_twin.scenario import Robot, ScenarioError
@@ -51,10 +51,13 @@ def plan_controllers(
     plans: dict[str, ControllerPlan] = {}
     findings: list[Finding] = []
     for name, controller in by_name.items():
-        plan, ignored = plan_controller(controller, description, manager.update_rate, by_name)
+        try:
+            plan, ignored = plan_controller(controller, description, manager.update_rate, by_name)
+        except InputError as wrong:
+            plan, ignored = ControllerPlan(name, controller.type, problem=str(wrong), error=wrong), ()
         if name in by_drive:
             drive = by_drive[name]
-            plan = replace(plan, wiring=wiring_of(drive))
+            plan = replace(plan, wiring=drive)
             if plan.error is not None and plan.error.file is None:
                 plan.error.file, plan.error.line = drive.plugin.place.file, drive.plugin.place.line
         plans[name] = plan

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, absolute_path
 from drake_twin.errors import InputError
-from drake_twin.scenario.scenario import Robot, Scenario, World
+from drake_twin.scenario import Robot, Scenario, World
 
 
 def with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:

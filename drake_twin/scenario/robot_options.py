@@ -12,7 +12,7 @@ from typing import Any, TypedDict, TypeVar
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
-from drake_twin.scenario.scenario import Robot
+from drake_twin.scenario import Robot
 from drake_twin.typed_data import field_types
 
 _Method = TypeVar("_Method", bound=Callable[..., Any])

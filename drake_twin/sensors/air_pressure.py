@@ -25,11 +25,11 @@ class AirPressureSettings:
 
     Attributes:
         reference: The altitude of the world's z = 0 (m).
-        noise: Its noise (Pa).
+        noises: The noise of its ``pressure`` (Pa).
     """
 
     reference: float
-    noise: Noise
+    noises: dict[str, Noise]
 
 
 def pressure_at(altitude: float) -> float:
@@ -66,12 +66,7 @@ class AirPressure(SensorSystem):
             InputError: If a value is invalid.
         """
         reference = element.number("air_pressure/reference_altitude", 0.0)
-        return AirPressureSettings(reference, read_noise(element, "air_pressure/pressure/noise"))
-
-    @classmethod
-    def noises(cls, settings: AirPressureSettings) -> dict[str, Noise]:
-        """Return the noise of the pressure."""
-        return {"pressure": settings.noise}
+        return AirPressureSettings(reference, {"pressure": read_noise(element, "air_pressure/pressure/noise")})
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)
@@ -83,8 +78,7 @@ class AirPressure(SensorSystem):
         settings: AirPressureSettings = self.setup.settings
         height = float(self._poses.Eval(context)[self._body].multiply(self._p_BS_B)[2])
         pressure = self.noisy("pressure", pressure_at(settings.reference + height), context.get_time())
+        variance = settings.noises["pressure"].stddev ** 2
         output.set_value(
-            messages.FluidPressure(
-                header=self.header(context), fluid_pressure=pressure, variance=settings.noise.stddev**2
-            )
+            messages.FluidPressure(header=self.header(context), fluid_pressure=pressure, variance=variance)
         )

@@ -1,24 +1,15 @@
 """An altimeter on a link."""
 
-from dataclasses import dataclass
-
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.sensors.noise import Noise, read_noise
+from drake_twin.sensors.noise import NoiseSettings, read_noise
 from drake_twin.sensors.point_motion import PointMotion
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem
-
-
-@dataclass(frozen=True)
-class AltimeterSettings:
-    """What an altimeter reads of its element: the noise of its height (m) and of its vertical velocity (m/s)."""
-
-    noises: dict[str, Noise]
 
 
 @sensor("altimeter")
@@ -42,19 +33,14 @@ class Altimeter(SensorSystem):
     gz_topic = "altimeter"
 
     @classmethod
-    def read(cls, element: SensorElement) -> AltimeterSettings:
-        """Read the noise.
+    def read(cls, element: SensorElement) -> NoiseSettings:
+        """Read the noise of its height (m) and of its vertical velocity (m/s).
 
         Raises:
             InputError: If a value is invalid.
         """
         names = ("vertical_position", "vertical_velocity")
-        return AltimeterSettings({name: read_noise(element, f"altimeter/{name}/noise") for name in names})
-
-    @classmethod
-    def noises(cls, settings: AltimeterSettings) -> dict[str, Noise]:
-        """Return the noise of height and velocity."""
-        return settings.noises
+        return NoiseSettings({name: read_noise(element, f"altimeter/{name}/noise") for name in names})
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

@@ -19,7 +19,7 @@ from drake_twin.sensors.cameras.picture import COLOR, DEPTH, LABEL, View
 from drake_twin.sensors.cameras.picture_messages import camera_info, cloud, color_image, depth_image, image
 from drake_twin.sensors.cameras.settings import ROS_1, CameraSettings, read_camera
 from drake_twin.sensors.classic import classic_frame, classic_topic
-from drake_twin.sensors.noise import SILENT, Noise, NoiseChannel
+from drake_twin.sensors.noise import Noise, NoiseChannel
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
@@ -64,6 +64,7 @@ class AnyCamera(SensorSystem):
     """
 
     measures_depth = False
+    gz_pictures: tuple[tuple[str, str, str], ...] = ()  # output, message and what its topic in Gazebo ends with
 
     @classmethod
     def read(cls, element: SensorElement) -> CameraSettings:
@@ -83,8 +84,11 @@ class AnyCamera(SensorSystem):
 
     @classmethod
     def gazebo_topics(cls, sensor: Sensor, settings: CameraSettings, base: str) -> Iterable[SensorTopic]:
-        """Return the topics in Gazebo."""
-        raise NotImplementedError
+        """Return the topics in Gazebo: of the pictures, and camera_info."""
+        info = settings.info_topic
+        info = f"/{info.strip('/')}" if info and info != "__default__" else f"{base.rpartition('/')[0]}/camera_info"
+        pictures = (SensorTopic(own, kind, f"{base}{end}") for own, kind, end in cls.gz_pictures)
+        return (*pictures, SensorTopic("info", _INFO, info))
 
     @classmethod
     def default_frame(cls, sensor: Sensor, settings: CameraSettings, scoped: str) -> str:
@@ -99,7 +103,7 @@ class AnyCamera(SensorSystem):
     def noises(cls, settings: CameraSettings) -> dict[str, Noise]:
         """Return the noise of the depths of a depth camera, of the color of another one."""
         is_of_depth = cls.measures_depth and not settings.plugin
-        return {} if settings.noise == SILENT else {DEPTH if is_of_depth else COLOR: settings.noise}
+        return {DEPTH if is_of_depth else COLOR: settings.noise}
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)
@@ -172,11 +176,7 @@ class Camera(AnyCamera):
     """Take color pictures."""
 
     gz_topic = "image"
-
-    @classmethod
-    def gazebo_topics(cls, sensor: Sensor, settings: CameraSettings, base: str) -> Iterable[SensorTopic]:
-        """Return image and camera_info."""
-        return (SensorTopic("image", _IMAGE, base), SensorTopic("info", _INFO, _info_topic(settings, base)))
+    gz_pictures = (("image", _IMAGE, ""),)
 
 
 @sensor("multicamera")
@@ -208,15 +208,7 @@ class DepthCamera(AnyCamera):
 
     gz_topic = "depth_image"
     measures_depth = True
-
-    @classmethod
-    def gazebo_topics(cls, sensor: Sensor, settings: CameraSettings, base: str) -> Iterable[SensorTopic]:
-        """Return depths, points and camera_info."""
-        return (
-            SensorTopic("depth", _IMAGE, base),
-            SensorTopic("points", _CLOUD, f"{base}/points"),
-            SensorTopic("info", _INFO, _info_topic(settings, base)),
-        )
+    gz_pictures = (("depth", _IMAGE, ""), ("points", _CLOUD, "/points"))
 
 
 @sensor("rgbd_camera", "rgbd")
@@ -237,11 +229,6 @@ class RgbdCamera(AnyCamera):
             SensorTopic("points", _CLOUD, f"{base}/points"),
             SensorTopic("info", _INFO, f"{base}/camera_info"),
         )
-
-
-def _info_topic(settings: CameraSettings, base: str) -> str:
-    own = settings.info_topic
-    return f"/{own.strip('/')}" if own and own != "__default__" else f"{base.rpartition('/')[0]}/camera_info"
 
 
 def _classic_topics(sensor: Sensor, settings: CameraSettings, *, is_depth: bool) -> Iterable[SensorTopic]:

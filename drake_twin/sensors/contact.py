@@ -1,9 +1,9 @@
 """A contact sensor (a bumper) on a link."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import fsum
-from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -156,12 +156,12 @@ class ContactSensor(SensorSystem):
         self._contacts = self.declare_plant_input("contact_results")
         self.declare_message_output(self._calc_state if settings.is_classic else self._calc_contacts)
 
-    def touches(self, context: Context) -> list[Touch]:
-        """Return where the shapes that it watches touch others, pair by pair."""
-        return sorted(self._touches(self._contacts.Eval(context)), key=lambda touch: self._pair(touch))
-
-    def _pair(self, touch: Touch) -> tuple[str, str]:
-        return self._name(touch.own), self._name(touch.other)
+    def touches(self, context: Context) -> dict[tuple[str, str], list[Touch]]:
+        """Return where the shapes that it watches touch others: the names of its shape and of the other → where."""
+        found = defaultdict(list)
+        for touch in self._touches(self._contacts.Eval(context)):
+            found[self._name(touch.own), self._name(touch.other)].append(touch)
+        return dict(sorted(found.items()))
 
     def _name(self, geometry: GeometryId) -> str:
         if geometry in self._names:
@@ -193,35 +193,29 @@ class ContactSensor(SensorSystem):
                     yield Touch(own, other, np.array(surface.centroid()), normal, depth, force, torque)
 
     def _calc_contacts(self, context: Context, output: AbstractValue) -> None:
-        contacts: dict[tuple[str, str], dict[str, Any]] = {}
         header = self.header(context)
-        for touch in self.touches(context):
-            own, other = self._pair(touch)
-            contact = contacts.setdefault(
-                (own, other),
-                {
-                    "collision1": {"name": own, "type": _COLLISION},
-                    "collision2": {"name": other, "type": _COLLISION},
-                    **{name: [] for name in ("positions", "normals", "depths", "wrenches")},
-                },
-            )
-            contact["positions"].append(_vector(touch.position))
-            contact["normals"].append(_vector(touch.normal))
-            contact["depths"].append(touch.depth)
-            contact["wrenches"].append(
-                {
-                    "header": header,
-                    "body_1_wrench": _wrench(touch.force, touch.torque),
-                    "body_2_wrench": _wrench(-touch.force, -touch.torque),
-                }
-            )
-        message = messages.message(self.message_type, {"header": header, "contacts": list(contacts.values())})
+        contacts = [
+            {
+                "collision1": {"name": own, "type": _COLLISION},
+                "collision2": {"name": other, "type": _COLLISION},
+                "positions": [_vector(touch.position) for touch in touches],
+                "normals": [_vector(touch.normal) for touch in touches],
+                "depths": [touch.depth for touch in touches],
+                "wrenches": [
+                    {
+                        "header": header,
+                        "body_1_wrench": _wrench(touch.force, touch.torque),
+                        "body_2_wrench": _wrench(-touch.force, -touch.torque),
+                    }
+                    for touch in touches
+                ],
+            }
+            for (own, other), touches in self.touches(context).items()
+        ]
+        message = messages.message(self.message_type, {"header": header, "contacts": contacts})
         set_value(output, message if contacts else None)
 
     def _calc_state(self, context: Context, output: AbstractValue) -> None:
-        states: dict[tuple[str, str], list[Touch]] = {}
-        for touch in self.touches(context):
-            states.setdefault(self._pair(touch), []).append(touch)
         plain = [
             {
                 "info": f"{own} touches {other}",
@@ -236,7 +230,7 @@ class ContactSensor(SensorSystem):
                 "contact_normals": [_vector(touch.normal) for touch in touches],
                 "depths": [touch.depth for touch in touches],
             }
-            for (own, other), touches in states.items()
+            for (own, other), touches in self.touches(context).items()
         ]
         kind = "gazebo_msgs/msg/ContactsState"
         output.set_value(messages.message(kind, {"header": self.header(context), "states": plain}))

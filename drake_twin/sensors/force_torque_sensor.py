@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
+from pydrake.systems.framework import BasicVector, Context, InputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
-from drake_twin.sensors.noise import SILENT, Noise, read_noise
+from drake_twin.sensors.classic import classic_plugin, classic_topic
+from drake_twin.sensors.noise import Noise, read_noise
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
@@ -82,11 +82,8 @@ class ForceTorqueSensor(SensorSystem):
             return ForceTorqueSettings("child", "child", noises, element.text("body_name"))
         direction = element.choice("force_torque/measure_direction", ("child_to_parent", "parent_to_child"))
         axes = element.choice("force_torque/frame", ("child", "parent", "sensor"))
-        noises = {
-            channel: noise
-            for channel in _CHANNELS
-            if (noise := read_noise(element, f"force_torque/{channel.replace('.', '/')}/noise")) != SILENT
-        }
+        paths = {channel: f"force_torque/{channel.replace('.', '/')}/noise" for channel in _CHANNELS}
+        noises = {channel: read_noise(element, path) for channel, path in paths.items()}
         return ForceTorqueSettings(direction.rpartition("_")[2], axes, noises)
 
     @classmethod
@@ -102,16 +99,6 @@ class ForceTorqueSensor(SensorSystem):
         plugin = classic_plugin(sensor, "gazebo_ros_ft_sensor")
         name = base if plugin is None else classic_topic(plugin, "wrench")
         return (SensorTopic("message", cls.message_type, name, is_ros=plugin is not None),)
-
-    @classmethod
-    def default_frame(cls, sensor: Sensor, settings: ForceTorqueSettings, scoped: str) -> str:
-        """Return the child link for Gazebo classic's plugin, else the scoped name."""
-        return classic_frame(sensor, scoped)
-
-    @classmethod
-    def noises(cls, settings: ForceTorqueSettings) -> dict[str, Noise]:
-        """Return the noise of each channel."""
-        return settings.noises
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)
@@ -131,10 +118,6 @@ class ForceTorqueSensor(SensorSystem):
         self._wrench = self.declare_values_output(len(_CHANNELS), self._calc_wrench)
         self.declare_message_output(self._calc_message)
 
-    def get_wrench_output_port(self) -> OutputPort:
-        """Return the port ``wrench``."""
-        return self._wrench
-
     def _calc_wrench(self, context: Context, output: BasicVector) -> None:
         F_CJ_J = self._forces.Eval(context)[self._joint]
         force = np.array(F_CJ_J.translational())
@@ -145,11 +128,7 @@ class ForceTorqueSensor(SensorSystem):
             R_PC = poses[self._parent].rotation().inverse() @ poses[self._child].rotation()
             R_AJ = R_PC.matrix() @ self._R_CJ
         values = self._sign * np.concatenate([R_AJ @ force, R_AJ @ torque])
-        if self.is_noisy:
-            time = context.get_time()
-            noisy = [self.noisy(channel, value, time) for channel, value in zip(_CHANNELS, values, strict=True)]
-            values = np.array(noisy)
-        output.SetFromVector(values)
+        output.SetFromVector(self.noisy_values(_CHANNELS, values, context.get_time()))
 
     def _calc_message(self, context: Context, output: AbstractValue) -> None:
         fx, fy, fz, tx, ty, tz = self._wrench.Eval(context).tolist()

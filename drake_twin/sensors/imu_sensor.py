@@ -7,12 +7,12 @@ from math import pi
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.math import RollPitchYaw, RotationMatrix
-from pydrake.systems.framework import BasicVector, Context, OutputPort
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor, Vector3
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
+from drake_twin.sensors.classic import classic_plugin, classic_topic
 from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
@@ -106,16 +106,6 @@ class ImuSensor(SensorSystem):
             return (SensorTopic("message", cls.message_type, base),)
         return (SensorTopic("message", cls.message_type, name, is_ros=True),)
 
-    @classmethod
-    def default_frame(cls, sensor: Sensor, settings: ImuSettings, scoped: str) -> str:
-        """Return the link for a plugin of Gazebo classic, else the scoped name."""
-        return classic_frame(sensor, scoped)
-
-    @classmethod
-    def noises(cls, settings: ImuSettings) -> dict[str, Noise]:
-        """Return the noise of each channel."""
-        return settings.noises
-
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)
         settings: ImuSettings = setup.settings
@@ -138,10 +128,6 @@ class ImuSensor(SensorSystem):
             self._covariances[0][0] = _NOT_PUBLISHED
         self.declare_message_output(self._calc_imu)
 
-    def get_spatial_output_port(self) -> OutputPort:
-        """Return the port ``spatial``."""
-        return self._spatial
-
     def _calc_spatial(self, context: Context, output: BasicVector) -> None:
         R_WB: RotationMatrix = self._poses.Eval(context)[self._body].rotation()
         w_WB = np.array(self._velocities.Eval(context)[self._body].rotational())
@@ -156,11 +142,7 @@ class ImuSensor(SensorSystem):
         R_SW = R_WS.matrix().T
         orientation = (self._R_RW @ R_WS).ToQuaternion().wxyz()
         values = np.concatenate([orientation, R_SW @ w_WB, R_SW @ (a_WS - self._gravity)])
-        if self.is_noisy:
-            time = context.get_time()
-            noisy = [self.noisy(channel, value, time) for channel, value in zip(_CHANNELS, values, strict=True)]
-            values = np.array(noisy)
-        output.SetFromVector(values)
+        output.SetFromVector(self.noisy_values(_CHANNELS, values, context.get_time()))
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         qw, qx, qy, qz, wx, wy, wz, ax, ay, az = self._spatial.Eval(context).tolist()

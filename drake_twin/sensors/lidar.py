@@ -16,7 +16,7 @@ from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.requirements import missing
 from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
-from drake_twin.sensors.noise import SILENT, Noise, read_noise
+from drake_twin.sensors.noise import Noise, read_noise
 from drake_twin.sensors.ray_caster import RayCaster
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.scan_messages import (
@@ -142,7 +142,7 @@ class Lidar(SensorSystem):
     @classmethod
     def noises(cls, settings: LidarSettings) -> dict[str, Noise]:
         """Return the noise of the ranges."""
-        return {} if settings.noise == SILENT else {"range": settings.noise}
+        return {"range": settings.noise}
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

@@ -1,24 +1,15 @@
 """A magnetometer on a link."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.sensors.noise import Noise, read_noise
+from drake_twin.sensors.noise import NoiseSettings, read_noise
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem
-
-
-@dataclass(frozen=True)
-class MagnetometerSettings:
-    """What a magnetometer reads of its element: axis → its noise (T)."""
-
-    noises: dict[str, Noise]
 
 
 @sensor("magnetometer")
@@ -41,18 +32,13 @@ class Magnetometer(SensorSystem):
     gz_topic = "magnetometer"
 
     @classmethod
-    def read(cls, element: SensorElement) -> MagnetometerSettings:
-        """Read the noise of each axis.
+    def read(cls, element: SensorElement) -> NoiseSettings:
+        """Read the noise of each axis (T).
 
         Raises:
             InputError: If a value is invalid.
         """
-        return MagnetometerSettings({axis: read_noise(element, f"magnetometer/{axis}/noise") for axis in "xyz"})
-
-    @classmethod
-    def noises(cls, settings: MagnetometerSettings) -> dict[str, Noise]:
-        """Return the noise of each axis."""
-        return settings.noises
+        return NoiseSettings({axis: read_noise(element, f"magnetometer/{axis}/noise") for axis in "xyz"})
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

@@ -12,7 +12,7 @@ from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.surroundings import SphericalCoordinates
-from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
+from drake_twin.sensors.classic import classic_plugin, classic_topic
 from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.point_motion import PointMotion
 from drake_twin.sensors.registry import sensor
@@ -123,16 +123,6 @@ class NavSat(SensorSystem):
             "velocity", "geometry_msgs/msg/Vector3Stamped", classic_topic(plugin, "~/vel"), is_ros=True
         )
         return (SensorTopic("message", cls.message_type, classic_topic(plugin, "~/out"), is_ros=True), velocity)
-
-    @classmethod
-    def default_frame(cls, sensor: Sensor, settings: NavSatSettings, scoped: str) -> str:
-        """Return the link for a plugin of Gazebo classic, else the scoped name."""
-        return classic_frame(sensor, scoped)
-
-    @classmethod
-    def noises(cls, settings: NavSatSettings) -> dict[str, Noise]:
-        """Return the noise of position and velocity."""
-        return settings.noises
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

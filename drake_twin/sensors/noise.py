@@ -95,6 +95,13 @@ def read_noise(element: SensorElement | None, path: str = "noise") -> Noise:
 
 
 @dataclass(frozen=True)
+class NoiseSettings:
+    """What a sensor reads of its element where that is noise alone: channel → its noise."""
+
+    noises: dict[str, Noise]
+
+
+@dataclass(frozen=True)
 class NoiseSource:
     """What the noise of a sensor is drawn from.
 

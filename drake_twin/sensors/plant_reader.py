@@ -59,12 +59,7 @@ class PlantReader(WitnesslessSystem):
         self, plant: MultibodyPlant, scene_graph: SceneGraph | None = None
     ) -> tuple[tuple[OutputPort, InputPort], ...]:
         """Return pairs of an output port of the plant or the scene graph and the input port that takes it."""
-        pairs = []
-        for name, port in self.plant_inputs.items():
-            get = _PORTS[name][1]
-            if get is not None:
-                pairs.append((get(plant), port))
-            else:
-                assert scene_graph is not None, "a sensor of shapes needs the scene graph"
-                pairs.append((scene_graph.get_query_output_port(), port))
-        return tuple(pairs)
+        found = {name: get(plant) for name, (_, get) in _PORTS.items() if get is not None}
+        if scene_graph is not None:
+            found["query"] = scene_graph.get_query_output_port()
+        return tuple((found[name], port) for name, port in self.plant_inputs.items())

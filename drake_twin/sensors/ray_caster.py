@@ -17,6 +17,7 @@ from pydrake.geometry import Box, Convex, GeometryId, HalfSpace, Mesh, Role, Sce
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_twin.description.hull import corners_of
 from drake_twin.description.mesh_triangles import hulled_triangles, mesh_triangles, named_hull
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
@@ -297,13 +298,12 @@ def _triangles(
             return meshes[key]
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()
-        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
         faces = []
         for index in range(hull.num_elements()):
             face = hull.element(index)
-            corners_of = [face.vertex(corner) for corner in range(face.num_vertices())]
-            faces += [(corners_of[0], b, c) for b, c in pairwise(corners_of[1:])]
-        return vertices, np.array(faces)
+            around = [face.vertex(corner) for corner in range(face.num_vertices())]
+            faces += [(around[0], b, c) for b, c in pairwise(around[1:])]
+        return corners_of(hull), np.array(faces)
     raise InputError(f"a lidar cannot see a {type(shape).__name__}")
 
 

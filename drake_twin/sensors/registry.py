@@ -35,8 +35,3 @@ def sensor(*kinds: str, on: str = "link") -> Callable[[_S], _S]:
         return cls
 
     return register
-
-
-def sensor_kinds() -> tuple[str, ...]:
-    """Return all sensor types in alphabetical order, with those of third parties."""
-    return tuple(sorted(SENSORS))

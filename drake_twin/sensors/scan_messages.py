@@ -7,8 +7,8 @@ import numpy as np
 
 from drake_twin import messages
 
-_FLOAT32, _UINT16 = 7, 4  # sensor_msgs/msg/PointField
-_OFFSETS, _POINT_STEP = (0, 4, 8, 16, 24), 32
+# Of a number by NumPy's kind and size, as sensor_msgs/msg/PointField counts them.
+_DATATYPES = {"u2": 4, "u4": 7, "f4": 7}  # colors are four bytes that stand for a float
 
 
 @dataclass(frozen=True)
@@ -78,47 +78,40 @@ def point_cloud2(header: Any, grid: ScanGrid, directions: np.ndarray, ranges: np
     The fields are aligned to 8 bytes, as gz-msgs does it (PointCloudPackedUtils.hh).
     """
     names, kinds = ("x", "y", "z", "intensity", "ring"), (*["<f4"] * 4, "<u2")
-    layout = np.dtype({"names": names, "formats": kinds, "offsets": _OFFSETS, "itemsize": _POINT_STEP})
-    data = np.zeros(len(ranges), dtype=layout)
+    layout = np.dtype({"names": names, "formats": kinds, "offsets": (0, 4, 8, 16, 24), "itemsize": 32})
+    data = np.zeros((grid.rows, grid.samples), dtype=layout)
     for name, values in zip("xyz", points(grid, directions, ranges).T, strict=True):
-        data[name] = values
-    data["ring"] = np.repeat(np.arange(grid.rows), grid.samples)
+        data[name] = values.reshape(data.shape)
+    data["ring"] = np.arange(grid.rows)[:, np.newaxis]
+    return cloud_message(header, data, is_dense=bool(np.isfinite(ranges).all()))
+
+
+def cloud_message(header: Any, data: np.ndarray, *, is_dense: bool) -> Any:
+    """Return a ``PointCloud2`` of an array of structures (height × width)."""
     fields = [
-        messages.PointField(name=name, offset=offset, datatype=_UINT16 if kind == "<u2" else _FLOAT32, count=1)
-        for name, offset, kind in zip(names, _OFFSETS, kinds, strict=True)
+        messages.PointField(name=name, offset=offset, datatype=_DATATYPES[kind.str[1:]], count=1)
+        for name, (kind, offset, *_) in (data.dtype.fields or {}).items()
     ]
     return messages.PointCloud2(
         header=header,
-        height=grid.rows,
-        width=grid.samples,
+        height=data.shape[0],
+        width=data.shape[1],
         fields=fields,
         is_bigendian=False,
-        point_step=_POINT_STEP,
-        row_step=_POINT_STEP * grid.samples,
-        data=data.view(np.uint8),
-        is_dense=bool(np.isfinite(ranges).all()),
+        point_step=data.itemsize,
+        row_step=data.itemsize * data.shape[1],
+        data=data.ravel().view(np.uint8),
+        is_dense=is_dense,
     )
 
 
 def classic_point_cloud2(header: Any, directions: np.ndarray, ranges: np.ndarray) -> Any:
     """Return what was met as a dense ``PointCloud2`` (gazebo_ros/conversions/sensor_msgs.hpp): x, y, z, intensity."""
     met = np.isfinite(ranges)
-    data = np.zeros((np.count_nonzero(met), 4), dtype="<f4")
-    data[:, :3] = ranges[met, np.newaxis] * directions[met]
-    return messages.PointCloud2(
-        header=header,
-        height=1,
-        width=len(data),
-        fields=[
-            messages.PointField(name=name, offset=4 * index, datatype=_FLOAT32, count=1)
-            for index, name in enumerate(("x", "y", "z", "intensity"))
-        ],
-        is_bigendian=False,
-        point_step=16,
-        row_step=16 * len(data),
-        data=data.reshape(-1).view(np.uint8),
-        is_dense=True,
-    )
+    data = np.zeros((1, np.count_nonzero(met)), dtype=[(name, "<f4") for name in ("x", "y", "z", "intensity")])
+    for name, values in zip("xyz", (ranges[met, np.newaxis] * directions[met]).T, strict=True):
+        data[name] = values
+    return cloud_message(header, data, is_dense=True)
 
 
 def point_cloud(header: Any, directions: np.ndarray, ranges: np.ndarray) -> Any:

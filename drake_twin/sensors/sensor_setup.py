@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pydrake.geometry import SceneGraph
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
 
@@ -79,7 +79,7 @@ class SensorSetup:
             InputError: If the file's pose is relative to an unknown frame.
         """
         sensor = self.sensor
-        own = transform(sensor.pose)
+        own = sensor.pose.transform()
         if not sensor.pose_frame or sensor.pose_frame in (sensor.link, sensor.joint):
             return self.anchors[sensor.link] @ own if self.anchors else own
         if sensor.pose_frame in self.anchors:
@@ -101,4 +101,4 @@ class SensorSetup:
 
 def transform(pose: Pose) -> RigidTransform:
     """Return a pose as Drake's transform."""
-    return RigidTransform(RollPitchYaw(*pose.rpy), pose.xyz)
+    return pose.transform()

@@ -1,14 +1,16 @@
 """The base of all sensors of a robot."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, CacheEntry, Context, InputPort, OutputPort, ValueProducer
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
+from drake_twin.sensors.classic import classic_frame
 from drake_twin.sensors.noise import SILENT, Noise
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
@@ -85,14 +87,14 @@ class SensorSystem:
 
     @classmethod
     def default_frame(cls, sensor: Sensor, settings: Any, scoped: str) -> str:
-        """Return the ``frame_id`` of a sensor whose file gives none.
+        """Return the ``frame_id`` of a sensor whose file gives none: the link for a plugin of Gazebo classic.
 
         Args:
             sensor: The sensor.
             settings: What `read` has returned.
-            scoped: The name that Gazebo gives it: ``ROBOT/LINK/SENSOR``.
+            scoped: The name that Gazebo gives it, ``ROBOT/LINK/SENSOR``, which is the frame of the others.
         """
-        return scoped
+        return classic_frame(sensor, scoped)
 
     @classmethod
     def rate(cls, sensor: Sensor, settings: Any) -> float:
@@ -101,8 +103,8 @@ class SensorSystem:
 
     @classmethod
     def noises(cls, settings: Any) -> dict[str, Noise]:
-        """Return the noise of each channel."""
-        return {}
+        """Return the noise of each channel: the ``noises`` of the settings, if they have any."""
+        return getattr(settings, "noises", {})
 
     def __init__(self, setup: SensorSetup):
         self.setup = setup
@@ -126,6 +128,12 @@ class SensorSystem:
         """Return a measured value, or an array, with the noise of a channel at a time (s)."""
         found = self._channels.get(channel)
         return value if found is None else found.apply(value, time)
+
+    def noisy_values(self, channels: Sequence[str], values: np.ndarray, time: float) -> np.ndarray:
+        """Return measured values, one for each channel, with the channels' noise at a time (s)."""
+        if not self.is_noisy:
+            return values
+        return np.array([self.noisy(*item, time) for item in zip(channels, values, strict=True)])
 
     def header(self, context: Context) -> Any:
         """Return the header of a message of the present time."""

@@ -10,12 +10,12 @@ import numpy as np
 
 from drake_twin.errors import InputError, RunError
 from drake_twin.requirements import missing
-from drake_twin.sweeps.episode import ERROR, Row
+from drake_twin.sweeps.episode import COLUMNS, ERROR, Row
+from drake_twin.values import is_number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_OWN = ("episode", "id", "seed", "outcome", "reason", "simulated", "wall_time", "state_sha256", "version")
 _SHOWN = 3  # rows, best and worst
 _MOST_BINS = 12
 
@@ -23,7 +23,7 @@ _MOST_BINS = 12
 def metric_names(definition: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
     """Return the columns of the metrics."""
     varied = {path for path, _ in definition["vary"]}
-    return [name for name in dict.fromkeys(key for row in rows for key in row) if name not in {*_OWN, *varied}]
+    return [name for name in dict.fromkeys(key for row in rows for key in row) if name not in {*COLUMNS, *varied}]
 
 
 def sensitivities(definition: Mapping[str, Any], rows: Sequence[Row]) -> dict[tuple[str, str], float]:
@@ -34,7 +34,7 @@ def sensitivities(definition: Mapping[str, Any], rows: Sequence[Row]) -> dict[tu
     for metric in metric_names(definition, rows):
         for path, _ in definition["vary"]:
             pairs = [
-                (row[path], row[metric]) for row in rows if _is_number(row.get(path)) and _is_number(row.get(metric))
+                (row[path], row[metric]) for row in rows if is_number(row.get(path)) and is_number(row.get(metric))
             ]
             xs, ys = np.array(pairs, dtype=float).reshape(-1, 2).T
             if len(pairs) > 2 and np.ptp(xs) > 0 and np.ptp(ys) > 0:
@@ -49,7 +49,7 @@ def report(definition: Mapping[str, Any], rows: Sequence[Row]) -> str:
     paths = [path for path, _ in definition["vary"]]
     metrics = metric_names(definition, rows)
     for name in metrics:
-        values = sorted((row[name], row["episode"]) for row in rows if _is_number(row.get(name)))
+        values = sorted((row[name], row["episode"]) for row in rows if is_number(row.get(name)))
         if not values:
             continue
         numbers = [value for value, _ in values]
@@ -85,7 +85,7 @@ def draw(file: Path, definition: Mapping[str, Any], rows: Sequence[Row]) -> None
     axes = figure.subplots(len(metrics), len(paths), squeeze=False)
     for line, metric in zip(axes, metrics, strict=True):
         for axis, path in zip(line, paths, strict=True):
-            pairs = np.array([(row[path], row[metric]) for row in rows if _is_number(row.get(metric))], dtype=float)
+            pairs = np.array([(row[path], row[metric]) for row in rows if is_number(row.get(metric))], dtype=float)
             _draw_one(axis, pairs.reshape(-1, 2))
             axis.set_xlabel(path)
             axis.set_ylabel(metric)
@@ -104,7 +104,7 @@ def draw_pairs(file: Path, definition: Mapping[str, Any], rows: Sequence[Row]) -
     figure = figure_type(figsize=(4.0 * len(pairs) + 1, 3.0 * len(metrics) + 0.5), layout="constrained")
     axes = figure.subplots(len(metrics), len(pairs), squeeze=False)
     for line, metric in zip(axes, metrics, strict=True):
-        shown = [row for row in rows if _is_number(row.get(metric))]
+        shown = [row for row in rows if is_number(row.get(metric))]
         for axis, (across, up) in zip(line, pairs, strict=True):
             xs, ys, colors = ([row[name] for row in shown] for name in (across, up, metric))
             points = axis.scatter(xs, ys, c=colors, s=20)
@@ -127,7 +127,7 @@ def _drawn(
     except ImportError:
         raise missing(f"{option} needs", "matplotlib") from None
     metrics = metric_names(definition, rows)
-    paths = [path for path, _ in definition["vary"] if all(_is_number(row.get(path)) for row in rows)]
+    paths = [path for path, _ in definition["vary"] if all(is_number(row.get(path)) for row in rows)]
     if not metrics or len(paths) < least:
         what = "no varied number" if least == 1 else "less than two varied numbers"
         raise InputError(f"{option}: the table has no metric, or {what}, to draw")
@@ -157,9 +157,5 @@ def _draw_one(axis: Any, pairs: np.ndarray) -> None:
 
 
 def _values(row: Row, paths: Sequence[str]) -> str:
-    shown = [f"{path}={row[path]:.6g}" if _is_number(row[path]) else f"{path}={row[path]}" for path in paths]
+    shown = [f"{path}={row[path]:.6g}" if is_number(row[path]) else f"{path}={row[path]}" for path in paths]
     return ", ".join([*shown, f"seed {row['seed']}"])
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))

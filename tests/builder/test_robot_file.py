@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from drake_twin import Twin
-from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.builder.robot_file import planned_robots
 from drake_twin.description.package_index import share_folder
 from drake_twin.errors import InputError
 
@@ -20,12 +20,12 @@ PREFIXED = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 
 
 def test_a_single_robot_keeps_the_name_its_file_gives_it():
-    (robot,) = robot_file_scenario(ARM, xacro_args={}).robots
+    (robot,) = planned_robots(ARM, xacro_args={}).scenario.robots
     assert robot.name == "arduinobot"
 
 
 def test_a_mobile_robot_stands_on_the_ground_and_stays_there():
-    scenario = robot_file_scenario(ROVER, xacro_args={})
+    scenario = planned_robots(ROVER, xacro_args={}).scenario
     assert scenario.robots[0].xyz[2] == pytest.approx(0.13, abs=0.001)
     twin = Twin(scenario)
     twin.advance_to(1.0)
@@ -33,11 +33,11 @@ def test_a_mobile_robot_stands_on_the_ground_and_stays_there():
 
 
 def test_a_robot_bolted_to_the_world_stays_at_the_origin():
-    assert robot_file_scenario(ARM, xacro_args={}).robots[0].xyz == (0, 0, 0)
+    assert planned_robots(ARM, xacro_args={}).scenario.robots[0].xyz == (0, 0, 0)
 
 
 def test_several_robots_stand_in_a_row_that_leaves_each_room_to_turn():
-    scenario = robot_file_scenario(ROVER, 3, xacro_args={})
+    scenario = planned_robots(ROVER, 3, xacro_args={}).scenario
     assert [robot.name for robot in scenario.robots] == ["robot_1", "robot_2", "robot_3"]
     gaps = np.diff([robot.xyz[1] for robot in scenario.robots])
     assert np.all(gaps > np.hypot(0.58, 0.47))
@@ -60,7 +60,7 @@ def test_the_row_leaves_twice_the_larger_side_of_the_robot_and_half_a_meter_at_l
 def test_several_robots_are_named_through_the_files_own_argument(tmp_path, argument, value):
     file = tmp_path / "r.urdf.xacro"
     file.write_text(PREFIXED.format(argument=argument))
-    robots = robot_file_scenario(file, 2, xacro_args={}).robots
+    robots = planned_robots(file, 2, xacro_args={}).scenario.robots
     assert robots[1].xacro_args == {argument: value}
 
 
@@ -70,23 +70,23 @@ def test_a_robot_file_alone_keeps_its_own_default_of_robot_name(tmp_path):
     text = PREFIXED.format(argument="robot_name").replace('default=""', 'default="lesson_"')
     joint = '<joint name="j" type="fixed"><parent link="lesson_base"/><child link="arm"/></joint></robot>'
     file.write_text(text.replace("</robot>", f'<link name="arm"/>{joint}'))
-    scenario = robot_file_scenario(file, xacro_args={})
+    scenario = planned_robots(file, xacro_args={}).scenario
     assert scenario.robots[0].name == "r"
     assert Twin(scenario).built.plans[0].description.links == ("lesson_base", "arm")
-    assert robot_file_scenario(file, 2, xacro_args={"robot_name": "lesson_"}).robots[0].name == "robot_1"
+    assert planned_robots(file, 2, xacro_args={"robot_name": "lesson_"}).scenario.robots[0].name == "robot_1"
     file.write_text(text.replace('default="lesson_"', 'default="$(arg other)"'))
-    (robot,) = robot_file_scenario(file, xacro_args={"other": "x"}).robots
+    (robot,) = planned_robots(file, xacro_args={"other": "x"}).scenario.robots
     assert "robot_name" not in robot.xacro_args
 
 
 def test_an_argument_typed_by_the_user_is_left_alone(tmp_path):
     file = tmp_path / "r.urdf.xacro"
     file.write_text(PREFIXED.format(argument="prefix"))
-    assert robot_file_scenario(file, 2, xacro_args={"prefix": "x_"}).robots[0].xacro_args == {"prefix": "x_"}
+    assert planned_robots(file, 2, xacro_args={"prefix": "x_"}).scenario.robots[0].xacro_args == {"prefix": "x_"}
 
 
 def test_robots_without_such_an_argument_are_prefixed_by_the_twin():
-    twin = Twin(robot_file_scenario(ARM, 2, xacro_args={}))
+    twin = Twin(planned_robots(ARM, 2, xacro_args={}).scenario)
     frames = {item.child_frame_id for item in twin.latest("/tf").transforms}
     assert {"robot_1/forearm", "robot_2/forearm"} <= frames
 
@@ -95,4 +95,4 @@ def test_a_file_that_is_no_robot_is_refused(tmp_path):
     file = tmp_path / "notes.txt"
     file.write_text("nothing here")
     with pytest.raises(InputError, match=r"notes\.txt: this is not a robot file, which is a xacro or URDF"):
-        robot_file_scenario(file, xacro_args={})
+        planned_robots(file, xacro_args={})

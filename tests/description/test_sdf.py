@@ -27,7 +27,7 @@ def sdf(body: str) -> str:
 
 
 def prepared_of(text: str, file: Path, name: str | None, packages: PackageIndex) -> PreparedSdf:
-    return prepare_sdf(read_robot_sdf(text, file, packages)[0], name, packages)
+    return prepare_sdf(read_robot_sdf(text, file)[0], name, packages)
 
 
 def prepare(body: str, file: Path = Path("arm.sdf"), *folders: Path) -> tuple[str, bool]:

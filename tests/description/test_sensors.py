@@ -1,4 +1,4 @@
-from math import pi
+from math import nan, pi
 from pathlib import Path
 
 import pytest
@@ -124,7 +124,7 @@ def test_a_sensor_of_ros2_control_is_the_simulated_one_of_the_same_name():
       <ros2_control name="hardware" type="system"><sensor name="imu"><state_interface name="orientation.x"/>
         <state_interface name="angular_velocity.z"/><param name="frame_id">tool</param></sensor>
       <sensor name="other"/></ros2_control>""")
-    found = HardwareSensor("imu", ("orientation.x", "angular_velocity.z"), {"frame_id": "tool"})
+    found = HardwareSensor("imu", {"orientation.x": nan, "angular_velocity.z": nan}, {"frame_id": "tool"})
     assert description.hardware_sensors == {"imu": found, "other": HardwareSensor("other")}
     assert description.sensor("imu", "imu").link == "tool"
     assert description.sensor("other", "imu") is None

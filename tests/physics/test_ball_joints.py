@@ -260,7 +260,7 @@ def test_a_sensor_beside_a_ball_joint_measures_and_one_in_it_is_named(tmp_path):
     ((forces, own),) = dut.host.inputs_from(twin.plant)
     context = dut.host.CreateDefaultContext()
     own.FixValue(context, Value[list[SpatialForce]](twin.graph.evaluate(forces)))
-    assert dut.get_wrench_output_port().Eval(context) == pytest.approx([0, 0, -MASS * G, 0, 0, 0], abs=1e-6)
+    assert dut.output("wrench").Eval(context) == pytest.approx([0, 0, -MASS * G, 0, 0, 0], abs=1e-6)
 
 
 FOLLOWER = """<robot name="leader"><link name="base"/>{}</robot>""".format(

@@ -9,7 +9,7 @@ import pytest
 from scenes import ENGINES, Scene, every_engine, position, static_box
 
 from drake_twin import Twin
-from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.builder.robot_file import planned_robots
 
 SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
 DATA = SHARE / "example-robot-data" / "robots"
@@ -106,7 +106,7 @@ def resisted(twin, plan):
 @every_engine
 @pytest.mark.parametrize("file", sorted(DATA.glob("**/*.urdf")), ids=lambda file: file.stem)
 def test_robots_that_nobody_here_wrote_lie_still(figure, file, engine):
-    scenario = robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)])
+    scenario = planned_robots(file, xacro_args={}, package_paths=[str(SHARE)]).scenario
     twin = Twin(replace(scenario, **ENGINES[engine]))
     (plan,) = twin.built.plans
     if file.stem in FALLING | SWINGING | ROLLING:

@@ -5,8 +5,8 @@ from launch_files import write
 from program_runs import run
 
 from drake_twin import Finding, Kind, Recording, Robot, Scenario, Snapshot, Twin, World, replay
+from drake_twin.scenario import NodeProgram
 from drake_twin.scenario.absolute_files import with_files_found
-from drake_twin.scenario.scenario import NodeProgram
 
 LINK = '<link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 BOX = '<link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link>'

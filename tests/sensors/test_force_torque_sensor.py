@@ -61,7 +61,7 @@ class Rig:
         self.context = self.plant.GetMyMutableContextFromRoot(self.root)
 
     def wrench(self):
-        return self.sensor.get_wrench_output_port().Eval(self.sensor.host.GetMyContextFromRoot(self.root))
+        return self.sensor.output("wrench").Eval(self.sensor.host.GetMyContextFromRoot(self.root))
 
 
 def statically(roll=0.0, pose=Pose(), **settings):  # noqa: B008

@@ -62,7 +62,7 @@ class Rig:
     def measure(self, time=None):
         if time is not None:
             self.simulator.AdvanceTo(time)
-        spatial = self.imu.get_spatial_output_port().Eval(self.imu.host.GetMyContextFromRoot(self.root))
+        spatial = self.imu.output("spatial").Eval(self.imu.host.GetMyContextFromRoot(self.root))
         return spatial[:4], spatial[4:7], spatial[7:]
 
 

@@ -11,7 +11,7 @@ from launch_files import not_started, write
 from names_rig import INERTIAL, gazebo, spawned, table
 
 from drake_twin import Twin, TwinBuilder
-from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.builder.robot_file import planned_robots
 from drake_twin.findings import Kind, texts
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
@@ -270,7 +270,7 @@ def test_husarions_bridge_names_a_topic_once(tmp_path):
 def test_linorobot2s_imu_and_scan_of_gazebo_classic(corpus):
     folder = corpus / "linorobot2"
     file = folder / "linorobot2_description" / "urdf" / "robots" / "2wd.urdf.xacro"
-    twin = Twin(robot_file_scenario(file, package_paths=(str(folder),), xacro_args={}))
+    twin = Twin(planned_robots(file, package_paths=(str(folder),), xacro_args={}).scenario)
     camera = "linorobot2_2wd/camera_depth_link"
     assert table(twin) == {
         "/linorobot2_2wd/imu/data": (IMU, "linorobot2_2wd/base_footprint", 20.0),

@@ -60,9 +60,9 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
     if source in _SOURCES:
         read = f"it is read as {_SOURCES[source]}, and the plugin of ROS 2 knows 0 and 1 only"
         warnings.append(f"<odometry_source> is {source!r}: {read}")
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller("diff_drive_controller/DiffDriveController", parameters),
+    return plugin.drive(
+        "diff_drive_controller/DiffDriveController",
+        parameters,
         topics=plugin.ros_topics({"cmd_vel_unstamped": "cmd_vel", "odom": "odom" if odometry else None}),
         interfaces=tuple((joint, "velocity") for joint in (*left, *right)),
         efforts=dict.fromkeys((*left, *right), plugin.number("max_wheel_torque", 5.0)),
@@ -100,9 +100,9 @@ def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
     }
     odometry = plugin.flag("publish_odom", False)
     unused = ("publish_distance", "publish_steerangle")
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller("ackermann_steering_controller/AckermannSteeringController", parameters),
+    return plugin.drive(
+        "ackermann_steering_controller/AckermannSteeringController",
+        parameters,
         topics=plugin.ros_topics({"reference_unstamped": "cmd_vel", "odometry": "odom" if odometry else None}),
         interfaces=(*((joint, "velocity") for joint in wheels[2:]), *((joint, "position") for joint in steering)),
         true_odometry=True,
@@ -118,9 +118,9 @@ def gazebo_ros_planar_move(plugin: DrivePlugin) -> GazeboDrive:
         "enable_odom_tf": plugin.flag("publish_odom_tf", True),
     }
     odometry = plugin.flag("publish_odom", True)
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller(PLANAR_MOVE, parameters),
+    return plugin.drive(
+        PLANAR_MOVE,
+        parameters,
         topics=plugin.ros_topics({"cmd_vel_unstamped": "cmd_vel", "odom": "odom" if odometry else None}),
         interfaces=PLANAR_INTERFACES,
         true_odometry=True,

@@ -1,5 +1,7 @@
 """The system of gz-sim that fixes another model to a link until a message detaches it, as a controller."""
 
+from dataclasses import replace
+
 from drake_twin.description.gazebo_drive import (
     DETACHABLE_JOINT,
     CannotWorkError,
@@ -21,15 +23,13 @@ def detachable_joint_system(plugin: DrivePlugin) -> GazeboDrive:
         raise CannotWorkError(f"the robot has no link {parameters['parent_link']!r}")
     parameters["suppress_child_warning"] = plugin.flag("suppress_child_warning", False)
     older = plugin.has("topic") and not plugin.has("detach_topic")
-    topics, gz_topics = plugin.gz_topics(
-        {
-            "detach": ("topic" if older else "detach_topic", "detachable_joint/detach"),
-            "attach": ("attach_topic", "detachable_joint/attach"),
-            "state": ("output_topic", "detachable_joint/state"),
-        }
-    )
-    if not plugin.has("output_topic"):
-        gz_topics["state"] = f"/model/{parameters['child_model']}/detachable_joint/state"
-    return GazeboDrive(
-        plugin.plugin, plugin.controller(DETACHABLE_JOINT, parameters), topics=topics, gz_topics=gz_topics
-    )
+    names = {
+        "detach": ("topic" if older else "detach_topic", "detachable_joint/detach"),
+        "attach": ("attach_topic", "detachable_joint/attach"),
+        "state": ("output_topic", "detachable_joint/state"),
+    }
+    drive = plugin.drive(DETACHABLE_JOINT, parameters, names)
+    if plugin.has("output_topic"):
+        return drive
+    state = f"/model/{parameters['child_model']}/detachable_joint/state"
+    return replace(drive, gz_topics={**drive.gz_topics, "state": state})

@@ -38,12 +38,10 @@ def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
         "linear": {"x": _gz_limits(plugin, "linear")},
         "angular": {"z": _gz_limits(plugin, "angular")},
     }
-    topics, gz_topics = plugin.gz_topics({"cmd_vel_unstamped": ("topic", "cmd_vel"), "odom": _ODOMETRY} | _TF)
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller("diff_drive_controller/DiffDriveController", parameters),
-        topics=topics,
-        gz_topics=gz_topics,
+    return plugin.drive(
+        "diff_drive_controller/DiffDriveController",
+        parameters,
+        {"cmd_vel_unstamped": ("topic", "cmd_vel"), "odom": _ODOMETRY} | _TF,
         interfaces=tuple((joint, "velocity") for joint in (*left, *right)),
     )
 
@@ -77,12 +75,10 @@ def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
             "angular": {"z": limits},
         }
     )
-    topics, gz_topics = plugin.gz_topics({"reference_unstamped": ("topic", "cmd_vel"), "odometry": _ODOMETRY} | _TF)
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller("mecanum_drive_controller/MecanumDriveController", parameters),
-        topics=topics,
-        gz_topics=gz_topics,
+    return plugin.drive(
+        "mecanum_drive_controller/MecanumDriveController",
+        parameters,
+        {"reference_unstamped": ("topic", "cmd_vel"), "odometry": _ODOMETRY} | _TF,
         interfaces=tuple((joint, "velocity") for joint in wheels.values()),
     )
 
@@ -113,14 +109,10 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
         "linear": {"x": _gz_limits(plugin)},
         "angular": {"z": _gz_limits(plugin)},
     }
-    topics, gz_topics = plugin.gz_topics(
-        {"reference_unstamped": ("topic", plugin.text("sub_topic", "cmd_vel")), "odometry": _ODOMETRY} | _TF
-    )
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller("ackermann_steering_controller/AckermannSteeringController", parameters),
-        topics=topics,
-        gz_topics=gz_topics,
+    return plugin.drive(
+        "ackermann_steering_controller/AckermannSteeringController",
+        parameters,
+        {"reference_unstamped": ("topic", plugin.text("sub_topic", "cmd_vel")), "odometry": _ODOMETRY} | _TF,
         interfaces=(*((joint, "velocity") for joint in driven), *((joint, "position") for joint in steering)),
         warnings=tuple(warnings),
     )
@@ -130,13 +122,11 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
 def velocity_control_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-velocity-control-system`` to the twin's own controller of a base in the plane."""
     parameters = _gz_odometry(plugin) | {"enable_odom_tf": False}
-    topics, gz_topics = plugin.gz_topics({"cmd_vel_unstamped": ("topic", "cmd_vel")})
     unused = ("link_name", "initial_linear", "initial_angular")
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller(PLANAR_MOVE, parameters),
-        topics=topics,
-        gz_topics=gz_topics,
+    return plugin.drive(
+        PLANAR_MOVE,
+        parameters,
+        {"cmd_vel_unstamped": ("topic", "cmd_vel")},
         interfaces=PLANAR_INTERFACES,
         true_odometry=True,
         warnings=tuple(f"<{tag}> is not supported" for tag in unused if plugin.has(tag)),

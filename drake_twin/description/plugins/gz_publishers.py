@@ -34,18 +34,15 @@ def odometry_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
         "tf_frame_prefix_enable": not plugin.has("odom_frame"),
     }
     parameters |= _rate(plugin, "odom_publish_frequency", 50.0)
-    topics, gz_topics = plugin.gz_topics(
-        {
-            "odom": ("odom_topic", "odometry"),
-            "odom_with_covariance": ("odom_covariance_topic", "odometry_with_covariance"),
-            "tf_odometry": ("tf_topic", "pose"),
-        }
-    )
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller(ODOMETRY_PUBLISHER, parameters),
-        topics=topics,
-        gz_topics=gz_topics,
+    names = {
+        "odom": ("odom_topic", "odometry"),
+        "odom_with_covariance": ("odom_covariance_topic", "odometry_with_covariance"),
+        "tf_odometry": ("tf_topic", "pose"),
+    }
+    return plugin.drive(
+        ODOMETRY_PUBLISHER,
+        parameters,
+        names,
         warnings=("<gaussian_noise> is in the covariances, and not in the values",) if noise else (),
     )
 
@@ -65,9 +62,9 @@ def pose_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
     if plugin.flag("static_publisher", False):
         warnings.append("<static_publisher>: the poses that stay the same are on the topic of the others")
     plugin.has("static_update_frequency")
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller(POSE_PUBLISHER, parameters),
+    return plugin.drive(
+        POSE_PUBLISHER,
+        parameters,
         topics={"pose": "pose"},
         gz_topics={"pose": "/model/{model}/pose"},
         warnings=tuple(warnings),

@@ -36,10 +36,10 @@ def _joint_states(
     plugin: DrivePlugin, joints: tuple[str, ...], rate: float, topics: dict[str, str], gz_topics: dict[str, str]
 ) -> GazeboDrive:
     joints = joints or tuple(joint.name for joint in plugin.description.movable_joints)
-    parameters = {"joints": list(joints), "interfaces": ["position", "velocity"]}
+    parameters: dict[str, Any] = {"joints": list(joints), "interfaces": ["position", "velocity"]}
     kind = "joint_state_broadcaster/JointStateBroadcaster"
-    controller = plugin.controller(kind, parameters | ({"update_rate": int(rate)} if rate >= 1.0 else {}))
-    return GazeboDrive(plugin.plugin, controller, topics=topics, gz_topics=gz_topics)
+    parameters |= {"update_rate": int(rate)} if rate >= 1.0 else {}
+    return plugin.drive(kind, parameters, topics=topics, gz_topics=gz_topics)
 
 
 @gazebo_plugin("gz-sim-joint-position-controller-system")
@@ -103,19 +103,17 @@ def joint_trajectory_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     unused = ("position_i_gain", "velocity_i_gain", "velocity_d_gain", "position_cmd_offset", "velocity_cmd_offset")
     for tag in ("position_i_min", "position_i_max", "velocity_i_min", "velocity_i_max"):
         plugin.has(tag)
-    topics, gz_topics = plugin.gz_topics({"joint_trajectory": ("topic", "joint_trajectory")})
     parameters = {
         "joints": list(joints),
         "command_interfaces": ["position"],
         "state_interfaces": ["position", "velocity"],
     }
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller("joint_trajectory_controller/JointTrajectoryController", parameters),
-        topics=topics,
-        gz_topics=gz_topics,
+    return plugin.drive(
+        "joint_trajectory_controller/JointTrajectoryController",
+        parameters,
+        {"joint_trajectory": ("topic", "joint_trajectory")},
         interfaces=tuple((joint, "position") for joint in joints),
-        efforts={joint: effort for joint, effort in efforts.items() if effort < inf},
+        efforts=efforts,
         servos={
             (joint, "position"): _servo(p, d + v)
             for joint, p, d, v in zip(joints, proportional, derivative, of_velocity, strict=True)
@@ -196,9 +194,9 @@ def _joint_commands(plugin: DrivePlugin, interface: str, default_topic: str) -> 
     gz = plugin.text("topic", gz)
     start = plugin.number("initial_position", 0.0) if interface == "position" else 0.0
     kind = f"{interface}_controllers/JointGroup{interface.title()}Controller"
-    return GazeboDrive(
-        plugin.plugin,
-        plugin.controller(kind, {"joints": list(joints)}),
+    return plugin.drive(
+        kind,
+        {"joints": list(joints)},
         topics={"commands": gz.strip("/") if plugin.has("topic") else below},
         gz_topics={"commands": gz},
         types={"commands": "std_msgs/msg/Float64" if number is None else ACTUATORS},

@@ -5,11 +5,12 @@ from pathlib import Path
 
 from lxml import etree
 
-from drake_twin.description.repairs.registry import Mended, repair
+from drake_twin.description.repairs import Mended, repair
+from drake_twin.description.robot_description import MOVABLE_JOINT_TYPES
 from drake_twin.description.xml_reader import XmlReader, described
+from drake_twin.findings import first_of
 from drake_twin.values import number_or_none
 
-_MOVABLE = ("revolute", "continuous", "prismatic")
 _MOST_NAMED = 6  # joints in a sentence
 
 
@@ -111,17 +112,18 @@ def velocity_limit(reader: XmlReader) -> Mended:
     for joint in reader.root.iterfind("joint"):
         limit = joint.find("limit")
         velocity = None if limit is None else number_or_none(limit.get("velocity"))
-        if joint.get("type") not in _MOVABLE or limit is None or velocity is None:
+        if joint.get("type") not in MOVABLE_JOINT_TYPES or limit is None or velocity is None:
             continue
         if velocity <= 0 and velocity != -1:
             del limit.attrib["velocity"]
             found.setdefault(velocity, []).append(joint)
     for velocity, joints in found.items():
         names = [joint.get("name", "") for joint in joints]
-        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         why = "at which Gazebo holds a joint still" if velocity == 0 else "below zero"
-        named = f"joint {', '.join(names[:_MOST_NAMED])}{more}"
-        yield joints[0], f"{named}: the velocity limit is {velocity:g}, {why}: it has no limit"
+        yield (
+            joints[0],
+            f"joint {first_of(names, _MOST_NAMED)}: the velocity limit is {velocity:g}, {why}: it has no limit",
+        )
 
 
 @repair("mimic")
@@ -132,11 +134,11 @@ def mimic(reader: XmlReader) -> Mended:
     leaders = {name: leader for name, leader, *_ in followers}
     for name, leader, joint, element in followers:
         reason = None
-        if kinds[name] not in _MOVABLE:
+        if kinds[name] not in MOVABLE_JOINT_TYPES:
             reason = "it does not move itself"
         elif leader not in kinds:
             reason = "the robot has no such joint"
-        elif kinds[leader] not in _MOVABLE:
+        elif kinds[leader] not in MOVABLE_JOINT_TYPES:
             reason = "that joint does not move"
         elif _follows_itself(name, leaders):
             reason = "it follows itself"

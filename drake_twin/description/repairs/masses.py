@@ -7,7 +7,7 @@ import numpy as np
 from lxml import etree
 
 from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia, small_sphere
-from drake_twin.description.repairs.registry import Mended, repair
+from drake_twin.description.repairs import Mended, repair
 from drake_twin.description.xml_reader import XmlReader, described
 from drake_twin.values import number_or_none
 

@@ -4,7 +4,7 @@ from collections.abc import Collection
 
 from lxml import etree
 
-from drake_twin.description.repairs.registry import Mended, repair
+from drake_twin.description.repairs import Mended, repair
 from drake_twin.description.xml_reader import XmlReader, described
 from drake_twin.values import number_or_none
 

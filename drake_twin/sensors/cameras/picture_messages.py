@@ -6,8 +6,8 @@ import numpy as np
 
 from drake_twin import messages
 from drake_twin.sensors.cameras.settings import CameraSettings
+from drake_twin.sensors.scan_messages import cloud_message
 
-_FLOAT32 = 7  # sensor_msgs/msg/PointField
 _GREY = np.array([0.299, 0.587, 0.114])  # ITU-R BT.601
 _DEPTH_ENCODING = "32FC1"
 _CHANNELS = "rgb"
@@ -112,18 +112,4 @@ def cloud(
         data[name] = values
     colors = picture.astype(np.uint32)
     data["rgb"] = colors[:, :, 0] << 16 | colors[:, :, 1] << 8 | colors[:, :, 2]
-    height, width = depth.shape
-    return messages.PointCloud2(
-        header=header,
-        height=height,
-        width=width,
-        fields=[
-            messages.PointField(name=name, offset=offset, datatype=_FLOAT32, count=1)
-            for name, offset in zip(names, offsets, strict=True)
-        ],
-        is_bigendian=False,
-        point_step=size,
-        row_step=size * width,
-        data=data.ravel().view(np.uint8),
-        is_dense=bool(is_finite.all()),
-    )
+    return cloud_message(header, data, is_dense=bool(is_finite.all()))

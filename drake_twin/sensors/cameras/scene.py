@@ -22,6 +22,7 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_twin.description.hull import corners_of
 from drake_twin.description.surroundings import Light, Surroundings
 
 _ENDLESS = 5000.0  # m: a box that is as wide stands in for the ground, see `drake_twin.diagram.static_world`
@@ -154,7 +155,5 @@ def _plain(shape: Shape) -> tuple[str, tuple[float, ...], str] | None:
     if isinstance(shape, Mesh) and shape.source().is_path():
         return "mesh", tuple(map(float, shape.scale3())), str(shape.source().path())
     if isinstance(shape, Mesh | Convex):
-        hull = shape.GetConvexHull()
-        points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
-        return "hull", tuple(points.ravel().tolist()), ""
+        return "hull", tuple(corners_of(shape.GetConvexHull()).ravel().tolist()), ""
     return None
