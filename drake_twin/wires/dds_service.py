@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from drake_twin.messages.interface_types import type_hash
+from drake_twin.wires.dds_discovery import End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
 from drake_twin.wires.rmw_dds_format import (
     endpoint_data,
@@ -28,6 +29,7 @@ from drake_twin.wires.wire import LARGEST, Reply, WireEndpoint
 _log = logging.getLogger(__name__)
 _DEPTH = 1000  # requests that wait, as rmw_qos_profile_parameters has it: those of many clients come at once
 _PATIENCE = 10.0  # s of wall time for a client's reader to be found, and to make room; then a response is lost
+_OTHERS = "and other middlewares write requests otherwise: set RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
 _MOST_CLIENTS = 1000  # that are remembered
 
 
@@ -64,8 +66,7 @@ class DdsServer:
 
     Attributes:
         topic: The service.
-        readers: The 16 bytes of its reader's GUID.
-        writers: The 16 bytes of its writer's GUID.
+        ends: Its reader and its writer.
         condition: The condition that there are requests.
     """
 
@@ -86,7 +87,10 @@ class DdsServer:
         self._reader, self.condition = reader(participant, request_topic(service.name), request, asked, has_header=True)
         self._writer = writer(participant, response_topic(service.name), response, answered, has_header=True)
         self._kind = sample_type(response, has_header=True)
-        self.readers, self.writers = (self._reader.guid.bytes,), (self._writer.guid.bytes,)
+        self.ends = (
+            End(service, request_topic(service.name), request, self._reader.guid.bytes, is_reader=True),
+            End(service, response_topic(service.name), response, self._writer.guid.bytes, is_reader=False),
+        )
         self._clients: dict[int, str] = {}  # request's writer → the client's id
         self._matched: dict[str, int] = {}  # client's id → response's reader
         self._late: list[_Late] = []
@@ -117,7 +121,7 @@ class DdsServer:
     def _take(self, data: bytes, writer: int) -> None:
         client = self._client(writer)
         if not client:
-            self._tell("a request is ignored: its client is not of rmw_cyclonedds_cpp, and other middlewares write requests otherwise")
+            self._tell(f"a request is ignored: its client is not of rmw_cyclonedds_cpp, {_OTHERS}")
             return
         if len(data) > LARGEST:
             self._tell(f"a request of more than {LARGEST} bytes is ignored")

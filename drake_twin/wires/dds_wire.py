@@ -4,13 +4,14 @@ import itertools
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.requirements import missing
+from drake_twin.wires.dds_discovery import Discovery, End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, Nothing, quality, reader, writer
 from drake_twin.wires.dds_service import DdsServer
 from drake_twin.wires.rmw_dds_format import (
@@ -72,7 +73,10 @@ class DdsWire:
             self._participant, GRAPH_TOPIC, GRAPH_TYPE, quality(graph_data, latched=True, depth=1)
         )
         self._graph_type = sample_type(GRAPH_TYPE)
-        self._has_changed = True
+        self._has_changed, self._has_found = True, False
+        self._discovery: Any = Discovery(self._participant)
+        for condition in self._discovery.conditions:
+            self._waiting.attach(condition)
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="drake_twin dds", daemon=True)
         self._thread.start()
@@ -113,7 +117,7 @@ class DdsWire:
             sender.close()
         for reading in tuple(self._readings):
             reading.close()
-        self._graph = self._waiting = self._participant = self._domain = None
+        self._graph = self._waiting = self._discovery = self._participant = self._domain = None
 
     def forget(self, endpoint: "_Sender | _Listener | DdsServer") -> None:
         """Forget a closed endpoint."""
@@ -154,12 +158,19 @@ class DdsWire:
                 for reading in self._readings:
                     if isinstance(reading, DdsServer):
                         reading.look()
+                if self._has_changed or self._has_found:
+                    ends = [end for item in (*self._senders, *self._readings) for end in item.ends]
+                    self._discovery.tell(ends)
+                    self._has_found = False
                 if self._has_changed:
                     self._has_changed = False
-                    self._tell_graph()
+                    self._tell_graph(ends)
 
     def _take(self, count: int) -> None:
         """Take what has come for so many readers: a look at each of a thousand would take milliseconds."""
+        if count and (found := self._discovery.take()):
+            self._has_found = True
+            count -= found
         for index, reading in enumerate(tuple(self._readings)):
             if not count:
                 return
@@ -167,12 +178,12 @@ class DdsWire:
                 self._readings.insert(0, self._readings.pop(index))
                 count -= 1
 
-    def _tell_graph(self) -> None:
-        nodes: dict[str, NodeEndpoints] = {}
-        for item in (*self._senders, *self._readings):
-            known = nodes.get(item.topic.node, NodeEndpoints())
-            nodes[item.topic.node] = NodeEndpoints((*known.readers, *item.readers), (*known.writers, *item.writers))
-        self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, nodes)))
+    def _tell_graph(self, ends: Iterable[End]) -> None:
+        nodes: dict[str, tuple[list[bytes], list[bytes]]] = {}
+        for end in ends:
+            nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
+        entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
+        self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
 
 
 def _can_be(endpoint: WireEndpoint, *types: str) -> bool:
@@ -194,15 +205,13 @@ class _Sender:
 
     Attributes:
         topic: The topic.
-        readers: No GUID of a reader.
-        writers: The 16 bytes of the writer's GUID.
+        ends: Its writer.
         is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
     """
 
     def __init__(self, wire: DdsWire, topic: WireEndpoint, writer: Any, listened: Callable[[bool], None]):
         self.topic = topic
-        self.readers: tuple[bytes, ...] = ()
-        self.writers = (writer.guid.bytes,)
+        self.ends = (End(topic, topic_name(topic.name), topic.type, writer.guid.bytes, is_reader=False),)
         self.is_heard = topic.latched
         self._wire, self._writer, self._listened = wire, writer, listened
         self._kind = sample_type(topic.type)
@@ -236,15 +245,13 @@ class _Listener:
 
     Attributes:
         topic: The topic.
-        readers: The 16 bytes of the reader's GUID.
-        writers: No GUID of a writer.
+        ends: Its reader.
         condition: The condition that there are messages.
     """
 
     def __init__(self, wire: DdsWire, topic: WireEndpoint, reader: Any, condition: Any, heard: Callable[[bytes], None]):
         self.topic, self.condition = topic, condition
-        self.readers = (reader.guid.bytes,)
-        self.writers: tuple[bytes, ...] = ()
+        self.ends = (End(topic, topic_name(topic.name), topic.type, reader.guid.bytes, is_reader=True),)
         self._wire, self._reader, self._heard = wire, reader, heard
         self._has_told = False
 

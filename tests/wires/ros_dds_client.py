@@ -56,6 +56,21 @@ class ListParametersResponse(IdlStruct, typename="rcl_interfaces::srv::dds_::Lis
 
 
 @dataclass
+class OtherRequest(IdlStruct, typename="std_srvs::srv::dds_::Trigger_Request_"):
+    guid_: uint64
+    seq_: int64
+    structure_needs_at_least_one_member: uint8
+
+
+@dataclass
+class OtherResponse(IdlStruct, typename="std_srvs::srv::dds_::Trigger_Response_"):
+    guid_: uint64
+    seq_: int64
+    success: bool
+    message: str
+
+
+@dataclass
 class AddTwoIntsRequest(IdlStruct, typename="example_interfaces::srv::dds_::AddTwoInts_Request_"):
     guid_: uint64
     seq_: int64
@@ -224,12 +239,21 @@ class Peer:
 class Client:
     """A client of a service.
 
-    Its two endpoints say that they are one client's, as rmw_cyclonedds_cpp's do, but for other `data`.
+    Its two endpoints say that they are one client's, as rmw_cyclonedds_cpp's do, but for other `data`. One that
+    `is_deaf` has no reader yet; one that `is_wrong` does not wait for the service.
     """
 
     numbers = itertools.count(1)
 
-    def __init__(self, participant: Any, service: str, kind: str, data: str | None = None, is_deaf: bool = False):
+    def __init__(
+        self,
+        participant: Any,
+        service: str,
+        kind: str,
+        data: str | None = None,
+        is_deaf: bool = False,
+        is_wrong: bool = False,
+    ):
         self._data = f"clientid=1.10.{os.getpid():x}.{next(self.numbers):x};" if data is None else data
         self._participant, self._service = participant, service
         self._request, self._response = globals()[f"{kind}Request"], globals()[f"{kind}Response"]
@@ -237,6 +261,8 @@ class Client:
         self._writer = DataWriter(participant, topic, quality(self._data, 1000))
         self._guid = int.from_bytes(os.urandom(8))  # rmw_cyclonedds_cpp takes its writer's instance handle
         self._sequence = itertools.count(1)
+        if is_wrong:
+            return
         if not is_deaf:
             self.listen()
         waited(self._writer.get_matched_subscriptions, f"{service} is not there")

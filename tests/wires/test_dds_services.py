@@ -222,6 +222,23 @@ def test_a_client_of_another_middleware_is_told_of_once(twin, caplog):
     assert "its client is not of rmw_cyclonedds_cpp" in line
 
 
+def test_a_client_with_another_type_is_told_of_once(twin, caplog):
+    """It waits for ever, as over DDS it does with a ROS node, but the twin says why."""
+    with dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+
+        def work():
+            peer.client("wrong", LIST, "Other", is_wrong=True)
+            peer.client("a", LIST, "ListParameters")
+            while not any(line.startswith(LIST) for line in caplog.messages):
+                peer.names("a", 1)
+
+        while_running(twin, work)
+    kinds = "std_srvs/srv/Trigger, but its type is rcl_interfaces/srv/ListParameters"
+    assert [line for line in caplog.messages if line.startswith(LIST)] == [
+        f"{LIST}: another program calls it as {kinds}"
+    ]
+
+
 def test_services_that_nobody_calls_are_not_looked_at(twin, monkeypatch):
     """Neither in a step nor when a command comes, and the run has the same state as one without."""
     taken = []
