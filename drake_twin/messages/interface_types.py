@@ -26,6 +26,7 @@ _WITH_CHAR = {
         "uint8 event_type\nbuiltin_interfaces/Time stamp\nchar[16] client_gid\nint64 sequence_number\n"
     ),
     "std_msgs/msg/Char": "char data\n",
+    "rmw_dds_common/msg/Gid": "char[16] data\n",
 }
 _CHAR = re.compile(r"^\s*char\b", re.MULTILINE)
 

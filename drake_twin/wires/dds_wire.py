@@ -1,13 +1,19 @@
-"""The ROS 2 graph over DDS: topics only, as rmw_cyclonedds_cpp and rmw_fastrtps_cpp speak."""
+"""The ROS 2 graph over DDS: topics as all of ROS 2's middlewares speak them, services as rmw_cyclonedds_cpp does."""
 
+import itertools
 import logging
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.messages.interface_types import type_hash
 from drake_twin.requirements import missing
+from drake_twin.wires.dds_discovery import Discovery, End
+from drake_twin.wires.dds_endpoints import MOST_SAMPLES, Nothing, quality, reader, writer
+from drake_twin.wires.dds_service import DdsServer
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
     GRAPH_TYPE,
@@ -17,6 +23,7 @@ from drake_twin.wires.rmw_dds_format import (
     endpoint_data,
     graph_message,
     sample_type,
+    service_id,
     topic_name,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name
@@ -24,9 +31,7 @@ from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
 
 _log = logging.getLogger(__name__)
 LOOPBACK = "127.0.0.1"
-_PERIOD = 20_000_000  # ns between two looks at who listens
-_MOST_SAMPLES = 100  # that are taken from a reader at once
-_PATIENCE = 1  # ms for readers to make room for a message; then it is lost
+_PERIOD = 0.02  # s between two looks at who listens
 
 
 class DdsWire:
@@ -61,50 +66,48 @@ class DdsWire:
         self._waiting: Any = WaitSet(self._participant)
         self._lock = threading.RLock()  # of the endpoints
         self._senders: list[_Sender] = []
-        self._listeners: list[_Listener] = []
-        self._graph: Any = _writer(self._participant, GRAPH_TOPIC, GRAPH_TYPE, _qos(latched=True))
+        self._readings: list[_Listener | DdsServer] = []  # that of which something came last comes first
+        self._services = itertools.count(1)
+        graph_data = endpoint_data(type_hash(GRAPH_TYPE))
+        self._graph: Any = writer(
+            self._participant, GRAPH_TOPIC, GRAPH_TYPE, quality(graph_data, latched=True, depth=1)
+        )
         self._graph_type = sample_type(GRAPH_TYPE)
-        self._has_changed = True
-        self._told_services = False
+        self._has_changed, self._has_found = True, False
+        self._discovery: Any = Discovery(self._participant)
+        for condition in self._discovery.conditions:
+            self._waiting.attach(condition)
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="drake_twin dds", daemon=True)
         self._thread.start()
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
-        if "/_action/" in topic.name or not _can_be(topic):  # actions need services
-            return _Nothing()
+        if not _can_be(topic, topic.type):
+            return Nothing()
         with self._lock:
-            writer = _writer(self._participant, topic_name(topic.name), topic.type, _qos(topic.latched, topic.hash))
-            sender = _Sender(self, topic, writer, listened)
+            qos = quality(endpoint_data(topic.hash), latched=topic.latched, depth=1 if topic.latched else 10)
+            sender = _Sender(self, topic, writer(self._participant, topic_name(topic.name), topic.type, qos), listened)
             self._senders.append(sender)
             self._has_changed = True
         return sender
 
     def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
         """Hear a topic; see `drake_twin.wires.wire.Wire`."""
-        if not _can_be(topic):
-            return _Nothing()
-        from cyclonedds.core import ReadCondition, SampleState
-        from cyclonedds.sub import DataReader
-        from cyclonedds.topic import Topic
-
+        if not _can_be(topic, topic.type):
+            return Nothing()
         with self._lock:
-            name = Topic(self._participant, topic_name(topic.name), sample_type(topic.type))
-            reader = DataReader(self._participant, name, _qos(latched=False, type_hash=topic.hash))
-            condition = ReadCondition(reader, SampleState.NotRead)
-            listener = _Listener(self, topic, reader, condition, heard)
-            self._listeners.append(listener)
-            self._waiting.attach(condition)
-            self._has_changed = True
-        return listener
+            qos = quality(endpoint_data(topic.hash))
+            made = reader(self._participant, topic_name(topic.name), topic.type, qos)
+            return self._follow(_Listener(self, topic, *made, heard))
 
     def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
-        """Serve nothing: services over DDS differ from vendor to vendor."""
-        if not self._told_services:
-            self._told_services = True
-            _log.warning("services and actions are not offered over DDS: --ros zenoh offers them")
-        return _Nothing()
+        """Offer a service; see `drake_twin.wires.wire.Wire`."""
+        if not _can_be(service, f"{service.type}_Request", f"{service.type}_Response"):
+            return Nothing()
+        with self._lock:
+            name = service_id(self._participant.guid.bytes, next(self._services))
+            return self._follow(DdsServer(self, self._participant, service, name, answer))
 
     def close(self) -> None:
         """End the participant."""
@@ -112,18 +115,18 @@ class DdsWire:
         self._thread.join()
         for sender in tuple(self._senders):
             sender.close()
-        for listener in tuple(self._listeners):
-            listener.close()
-        self._graph = self._waiting = self._participant = self._domain = None
+        for reading in tuple(self._readings):
+            reading.close()
+        self._graph = self._waiting = self._discovery = self._participant = self._domain = None
 
-    def forget(self, endpoint: "_Sender | _Listener") -> None:
+    def forget(self, endpoint: "_Sender | _Listener | DdsServer") -> None:
         """Forget a closed endpoint."""
         with self._lock:
-            if isinstance(endpoint, _Listener):
-                self._waiting.detach(endpoint.condition)
-                self._listeners.remove(endpoint)
-            else:
+            if isinstance(endpoint, _Sender):
                 self._senders.remove(endpoint)
+            else:
+                self._waiting.detach(endpoint.condition)
+                self._readings.remove(endpoint)
             self._has_changed = True
 
     @property
@@ -131,78 +134,70 @@ class DdsWire:
         """The lock that keeps an endpoint from being closed while it is used."""
         return self._lock
 
+    def _follow(self, reading: "_Listener | DdsServer") -> Closable:
+        self._readings.append(reading)
+        self._waiting.attach(reading.condition)
+        self._has_changed = True
+        return reading
+
     def _watch(self) -> None:
         """Take what has come, look who listens, and tell the graph.
 
         DDS could call back instead; but a callback that waits for Python while Python ends its endpoint never ends.
         """
+        next_look = 0.0
         while not self._is_closed.is_set():
-            self._waiting.wait(_PERIOD)
+            count = self._waiting.wait(round(_PERIOD * 1e9))
             with self._lock:
-                for listener in tuple(self._listeners):
-                    listener.take()
+                self._take(count)
+                if (now := time.monotonic()) < next_look:
+                    continue
+                next_look = now + _PERIOD
                 for sender in tuple(self._senders):
                     sender.look()
+                for reading in self._readings:
+                    if isinstance(reading, DdsServer):
+                        reading.look()
+                if self._has_changed or self._has_found:
+                    ends = [end for item in (*self._senders, *self._readings) for end in item.ends]
+                    self._discovery.tell(ends)
+                    self._has_found = False
                 if self._has_changed:
                     self._has_changed = False
-                    self._tell_graph()
+                    self._tell_graph(ends)
 
-    def _tell_graph(self) -> None:
-        nodes: dict[str, NodeEndpoints] = {}
-        for sender in self._senders:
-            known = nodes.get(sender.topic.node, NodeEndpoints())
-            nodes[sender.topic.node] = NodeEndpoints(known.readers, (*known.writers, sender.gid))
-        for listener in self._listeners:
-            known = nodes.get(listener.topic.node, NodeEndpoints())
-            nodes[listener.topic.node] = NodeEndpoints((*known.readers, listener.gid), known.writers)
-        self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, nodes)))
+    def _take(self, count: int) -> None:
+        """Take what has come for so many readers: a look at each of a thousand would take milliseconds."""
+        if count and (found := self._discovery.take()):
+            self._has_found = True
+            count -= found
+        for index, reading in enumerate(tuple(self._readings)):
+            if not count:
+                return
+            if reading.take():
+                self._readings.insert(0, self._readings.pop(index))
+                count -= 1
+
+    def _tell_graph(self, ends: Iterable[End]) -> None:
+        nodes: dict[str, tuple[list[bytes], list[bytes]]] = {}
+        for end in ends:
+            nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
+        entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
+        self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
 
 
-def _can_be(endpoint: WireEndpoint) -> bool:
-    """Tell whether a topic can be on the graph; log if not."""
+def _can_be(endpoint: WireEndpoint, *types: str) -> bool:
+    """Tell whether a topic or service can be on the graph; log if not."""
     if not is_name(endpoint.name) or not is_name(endpoint.node):
         _log.warning("%s of %s is not on the graph: it is not a name of ROS", endpoint.name, endpoint.node)
         return False
     try:
-        sample_type(endpoint.type)
+        for kind in types:
+            sample_type(kind)
     except ValueError as error:
         _log.warning("%s is not on the graph: %s", endpoint.name, error)
         return False
     return True
-
-
-def _qos(latched: bool, type_hash: str = "") -> Any:
-    """Return the quality of service of a topic as ROS has it: reliable, and kept for late joiners if latched."""
-    from cyclonedds.core import Policy, Qos
-    from cyclonedds.util import duration
-
-    return Qos(
-        Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
-        Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
-        Policy.History.KeepLast(1 if latched else 10),
-        Policy.DataRepresentation(use_cdrv0_representation=True),
-        Policy.WriterDataLifecycle(autodispose=False),
-        Policy.Userdata(endpoint_data(type_hash)),
-    )
-
-
-def _writer(participant: Any, name: str, kind: str, qos: Any) -> Any:
-    from cyclonedds.pub import DataWriter
-    from cyclonedds.topic import Topic
-
-    return DataWriter(participant, Topic(participant, name, sample_type(kind)), qos)
-
-
-class _Nothing:
-    """Stands for what is not on the graph."""
-
-    is_heard = False
-
-    def send(self, data: bytes, at: int) -> None:
-        """Send nothing."""
-
-    def close(self) -> None:
-        """Nothing is to be ended."""
 
 
 class _Sender:
@@ -210,12 +205,13 @@ class _Sender:
 
     Attributes:
         topic: The topic.
-        gid: The 16 bytes of the writer's GUID.
+        ends: Its writer.
         is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
     """
 
     def __init__(self, wire: DdsWire, topic: WireEndpoint, writer: Any, listened: Callable[[bool], None]):
-        self.topic, self.gid = topic, writer.guid.bytes
+        self.topic = topic
+        self.ends = (End(topic, topic_name(topic.name), topic.type, writer.guid.bytes, is_reader=False),)
         self.is_heard = topic.latched
         self._wire, self._writer, self._listened = wire, writer, listened
         self._kind = sample_type(topic.type)
@@ -249,18 +245,20 @@ class _Listener:
 
     Attributes:
         topic: The topic.
-        gid: The 16 bytes of the reader's GUID.
+        ends: Its reader.
         condition: The condition that there are messages.
     """
 
     def __init__(self, wire: DdsWire, topic: WireEndpoint, reader: Any, condition: Any, heard: Callable[[bytes], None]):
-        self.topic, self.gid, self.condition = topic, reader.guid.bytes, condition
+        self.topic, self.condition = topic, condition
+        self.ends = (End(topic, topic_name(topic.name), topic.type, reader.guid.bytes, is_reader=True),)
         self._wire, self._reader, self._heard = wire, reader, heard
         self._has_told = False
 
-    def take(self) -> None:
-        """Hand on what has come."""
-        for sample in self._reader.take(_MOST_SAMPLES):
+    def take(self) -> bool:
+        """Hand on what has come; return whether anything has."""
+        samples = self._reader.take(MOST_SAMPLES)
+        for sample in samples:
             data = getattr(sample, "data", b"")  # one without is about a writer that has gone
             if len(data) > LARGEST:
                 if not self._has_told:
@@ -268,6 +266,7 @@ class _Listener:
                     _log.warning("%s: a message of more than %s bytes is ignored", self.topic.name, LARGEST)
             elif data:
                 self._heard(data)
+        return bool(samples)
 
     def close(self) -> None:
         """Take it off the graph."""

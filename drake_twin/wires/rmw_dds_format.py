@@ -1,9 +1,14 @@
 """ROS 2 over DDS: topics' names, types, user data, the graph, and CycloneDDS's configuration.
 
-Nothing here opens a participant. The upstream sources are ``rmw_node.cpp`` of rmw_cyclonedds_cpp, ``qos.hpp`` and
-``ParticipantEntitiesInfo.msg`` of rmw_dds_common.
+Nothing here opens a participant. The upstream sources are ``rmw_node.cpp`` and ``serdata.cpp`` of rmw_cyclonedds_cpp,
+``qos.hpp`` and ``ParticipantEntitiesInfo.msg`` of rmw_dds_common.
+
+A service is two topics, as rmw_cyclonedds_cpp has it: before the request and before the response stand 16 bytes, which
+the client chooses and the server repeats. rmw_fastrtps_cpp and rmw_connextdds keep that outside of the data.
 """
 
+import re
+import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +21,7 @@ GRAPH_TOPIC = "ros_discovery_info"
 GRAPH_TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 PARTICIPANT_DATA = b"enclave=/;"
 LARGEST_SAMPLE = 16 << 20  # bytes, in either direction
+_HEADER, _BIG_ENDIAN_HEADER = struct.Struct("<Qq"), struct.Struct(">Qq")
 _LONGEST_INDEX = 32  # of a participant on one machine, as rmw_cyclonedds_cpp has it
 
 
@@ -37,9 +43,60 @@ def topic_name(topic: str) -> str:
     return f"rt{topic}"
 
 
-def endpoint_data(type_hash: str) -> bytes:
-    """Return the user data of a reader or writer."""
-    return f"typehash={type_hash};".encode() if type_hash else b""
+def request_topic(service: str) -> str:
+    """Return the DDS name of the topic of a service's requests."""
+    return f"rq{service}Request"
+
+
+def response_topic(service: str) -> str:
+    """Return the DDS name of the topic of a service's responses."""
+    return f"rr{service}Reply"
+
+
+def endpoint_data(type_hash: str, **more: str) -> bytes:
+    """Return the user data of a reader or writer: the type's hash, after what else is given."""
+    if type_hash:
+        more["typehash"] = type_hash
+    return "".join(f"{key}={value};" for key, value in more.items()).encode()
+
+
+def read_endpoint_data(data: bytes) -> dict[str, str]:
+    """Return what the user data of a reader or writer says; it may be another program's, and nothing of ROS."""
+    return dict(re.findall(r"(\w+)=([^;]*);", data.decode(errors="replace")))
+
+
+def service_id(participant: bytes, number: int) -> str:
+    """Return what tells that two endpoints are those of one service or one client.
+
+    Args:
+        participant: The 16 bytes of the participant's GUID.
+        number: The number of the service or client within the participant.
+    """
+    return ".".join(f"{item:x}" for item in (*participant[:12], *number.to_bytes(4, "big")))
+
+
+def with_header(client: int, number: int, data: bytes) -> bytes:
+    """Return a request or response as it is sent.
+
+    Args:
+        client: What the client is called by itself.
+        number: The number of the request.
+        data: Its CDR bytes.
+    """
+    return data[:4] + _HEADER.pack(client, number) + data[4:]
+
+
+def without_header(data: bytes) -> tuple[int, int, bytes]:
+    """Return client, number and CDR bytes of a request or response that has come.
+
+    Raises:
+        ValueError: If it is too short.
+    """
+    if len(data) < 4 + _HEADER.size:
+        raise ValueError(f"{len(data)} bytes are too few for the header of rmw_cyclonedds_cpp")
+    header = _HEADER if data[1] & 1 else _BIG_ENDIAN_HEADER
+    client, number = header.unpack_from(data, 4)
+    return client, number, data[:4] + data[4 + header.size :]
 
 
 def graph_message(participant: bytes, nodes: Mapping[str, NodeEndpoints]) -> bytes:
@@ -82,14 +139,22 @@ def configuration(address: str, *, multicast: bool) -> str:
     )
 
 
-@cache
-def sample_type(ros_type: str) -> Any:
+def sample_type(ros_type: str, *, has_header: bool = False) -> Any:
     """Return CycloneDDS's class for a message type, whose instances hold the message's CDR bytes as they are.
+
+    Args:
+        ros_type: The type.
+        has_header: Whether the header of a request or response stands before it.
 
     Raises:
         ValueError: If the type is unknown, or DDS in Python does not have one of its parts.
     """
-    described = _struct(ros_type)
+    return _sample_type(ros_type, has_header)
+
+
+@cache
+def _sample_type(ros_type: str, has_header: bool) -> Any:
+    described = _struct(ros_type, has_header)
 
     class Sample(described):  # type: ignore[misc, valid-type]
         """A message's bytes, with the header of four bytes."""
@@ -113,11 +178,13 @@ def sample_type(ros_type: str) -> Any:
 
 
 @cache
-def _struct(ros_type: str) -> Any:
+def _struct(ros_type: str, has_header: bool) -> Any:
     """Return the IDL structure of a message type."""
     from cyclonedds.idl import make_idl_struct
+    from cyclonedds.idl.types import int64, uint64
 
-    fields = {name: _idl(kind) for name, kind in fields_of(ros_type)[1]}
+    fields: dict[str, Any] = {"guid_": uint64, "seq_": int64} if has_header else {}  # no field of ROS ends so
+    fields |= {name: _idl(kind) for name, kind in fields_of(ros_type)[1]}
     return make_idl_struct(ros_type.rpartition("/")[2] + "_", dds_type(ros_type), fields)
 
 
@@ -129,7 +196,7 @@ def _idl(kind: tuple[Any, Any]) -> Any:
     types: Any = idl_types  # its classes are indexed by metaclasses
     node, details = kind
     if node == Nodetype.NAME:
-        return _struct(details)
+        return _struct(details, False)
     if node == Nodetype.BASE:
         name, bound = details
         if name == "wstring":

@@ -29,7 +29,7 @@ class RosKind(WireKind):
             "--ros",
             choices=_TRANSPORTS,
             metavar="NAME",
-            help="put the twin on the ROS 2 graph, over zenoh (topics, services, actions) or dds (topics)",
+            help="put the twin on the ROS 2 graph, over zenoh or dds (services and actions: rmw_cyclonedds_cpp only)",
         )
         group.add_argument(
             "--ros-host",
@@ -90,7 +90,8 @@ def _open_dds(options: argparse.Namespace, is_first: bool) -> "Wire":
 
     wire = DdsWire(host=options.ros_host or LOOPBACK)
     if is_first:
-        say(f"ros: domain {wire.domain} over DDS, {wire.place}: topics only, services and actions are Zenoh's")
+        say(f"ros: domain {wire.domain} over DDS (RMW_IMPLEMENTATION=rmw_cyclonedds_cpp), {wire.place}")
+        say("ros: other middlewares over DDS have the topics; services, actions and parameters are not for them")
         _say_that_it_is_open("participant")
     return wire
 

@@ -1,0 +1,59 @@
+"""Readers and writers of DDS with ROS's quality of service, over the bytes of messages."""
+
+from typing import Any
+
+from drake_twin.wires.rmw_dds_format import sample_type
+
+MOST_SAMPLES = 100  # that are taken from a reader at once
+_PATIENCE = 1  # ms for readers to make room for a message; then it is lost
+
+
+class Nothing:
+    """Stands for what is not on the graph."""
+
+    is_heard = False
+
+    def send(self, data: bytes, at: int) -> None:
+        """Send nothing."""
+
+    def close(self) -> None:
+        """Nothing is to be ended."""
+
+
+def quality(data: bytes, *, latched: bool = False, depth: int = 10) -> Any:
+    """Return the quality of service as ROS has it: reliable, and kept for late joiners if latched.
+
+    Args:
+        data: The user data of the reader or writer.
+        latched: Whether late joiners get what was sent before.
+        depth: How many messages are kept.
+    """
+    from cyclonedds.core import Policy, Qos
+    from cyclonedds.util import duration
+
+    return Qos(
+        Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
+        Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
+        Policy.History.KeepLast(depth),
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+        Policy.WriterDataLifecycle(autodispose=False),
+        Policy.Userdata(data),
+    )
+
+
+def writer(participant: Any, name: str, ros_type: str, qos: Any, *, has_header: bool = False) -> Any:
+    """Return a writer of a topic's bytes."""
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.topic import Topic
+
+    return DataWriter(participant, Topic(participant, name, sample_type(ros_type, has_header=has_header)), qos)
+
+
+def reader(participant: Any, name: str, ros_type: str, qos: Any, *, has_header: bool = False) -> tuple[Any, Any]:
+    """Return a reader of a topic's bytes, and the condition that something has come."""
+    from cyclonedds.core import ReadCondition, SampleState
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    made = DataReader(participant, Topic(participant, name, sample_type(ros_type, has_header=has_header)), qos)
+    return made, ReadCondition(made, SampleState.NotRead)

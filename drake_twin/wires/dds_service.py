@@ -1,0 +1,186 @@
+"""The server of a service over DDS, as rmw_cyclonedds_cpp has it.
+
+A request comes from a writer and its response goes to a reader, which are the same client's if their user data says so.
+A response that is written before the client's reader is known here would be lost, so it waits for that.
+"""
+
+import logging
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+from drake_twin.messages.interface_types import type_hash
+from drake_twin.wires.dds_discovery import End
+from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
+from drake_twin.wires.rmw_dds_format import (
+    endpoint_data,
+    read_endpoint_data,
+    request_topic,
+    response_topic,
+    sample_type,
+    with_header,
+    without_header,
+)
+from drake_twin.wires.wire import LARGEST, Reply, WireEndpoint
+
+_log = logging.getLogger(__name__)
+_DEPTH = 1000  # requests that wait, as rmw_qos_profile_parameters has it: those of many clients come at once
+_PATIENCE = 10.0  # s of wall time for a client's reader to be found, and to make room; then a response is lost
+_OTHERS = "and other middlewares write requests otherwise: set RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
+_MOST_CLIENTS = 1000  # that are remembered
+
+
+class ServingWire(Protocol):
+    """What a server needs of its wire."""
+
+    @property
+    def lock(self) -> Any:
+        """The lock that keeps an endpoint from being closed while it is used."""
+
+    def forget(self, endpoint: Any) -> None:
+        """Forget a closed endpoint."""
+
+
+@dataclass(frozen=True)
+class _Late:
+    """A response that cannot be written yet."""
+
+    deadline: float
+    writer: int
+    client: str
+    data: bytes
+
+
+class DdsServer:
+    """Answers the requests of a service.
+
+    Args:
+        wire: The wire.
+        participant: The participant.
+        service: The service.
+        name: What tells clients that its endpoints are one service's.
+        answer: As in `drake_twin.wires.wire.Wire.serve`.
+
+    Attributes:
+        topic: The service.
+        ends: Its reader and its writer.
+        condition: The condition that there are requests.
+    """
+
+    def __init__(
+        self,
+        wire: ServingWire,
+        participant: Any,
+        service: WireEndpoint,
+        name: str,
+        answer: Callable[[bytes, Reply], None],
+    ):
+        self.topic = service
+        self._wire, self._answer = wire, answer
+        request, response = f"{service.type}_Request", f"{service.type}_Response"
+        asked, answered = (
+            quality(endpoint_data(type_hash(kind), serviceid=name), depth=_DEPTH) for kind in (request, response)
+        )
+        self._reader, self.condition = reader(participant, request_topic(service.name), request, asked, has_header=True)
+        self._writer = writer(participant, response_topic(service.name), response, answered, has_header=True)
+        self._kind = sample_type(response, has_header=True)
+        self.ends = (
+            End(service, request_topic(service.name), request, self._reader.guid.bytes, is_reader=True),
+            End(service, response_topic(service.name), response, self._writer.guid.bytes, is_reader=False),
+        )
+        self._clients: dict[int, str] = {}  # request's writer → the client's id
+        self._matched: dict[str, int] = {}  # client's id → response's reader
+        self._late: list[_Late] = []
+        self._logged: set[str] = set()
+
+    def take(self) -> bool:
+        """Hand on the requests that have come; return whether anything has."""
+        samples = self._reader.take(MOST_SAMPLES)
+        for sample in samples:
+            if data := getattr(sample, "data", b""):  # one without is about a client that has gone
+                self._take(data, sample.sample_info.publication_handle)
+        return bool(samples)
+
+    def look(self) -> None:
+        """Write the responses whose clients are known by now."""
+        late, self._late = self._late, []
+        for item in late:
+            self._send(item)
+
+    def close(self) -> None:
+        """Take it off the graph."""
+        with self._wire.lock:
+            if self._reader is not None:
+                self._wire.forget(self)
+                self.condition = self._reader = self._writer = None
+                self._late.clear()
+
+    def _take(self, data: bytes, writer: int) -> None:
+        client = self._client(writer)
+        if not client:
+            self._tell(f"a request is ignored: its client is not of rmw_cyclonedds_cpp, {_OTHERS}")
+            return
+        if len(data) > LARGEST:
+            self._tell(f"a request of more than {LARGEST} bytes is ignored")
+            return
+        try:
+            source, number, request = without_header(data)
+        except ValueError as error:
+            self._tell(f"a request is ignored: {error}")
+            return
+        self._answer(request, partial(self._reply, writer, client, source, number))
+
+    def _reply(self, writer: int, client: str, source: int, number: int, data: bytes) -> None:
+        """Send a response, in any thread."""
+        with self._wire.lock:
+            if self._writer is not None:
+                deadline = time.monotonic() + _PATIENCE
+                self._send(_Late(deadline, writer, client, with_header(source, number, data)))
+
+    def _send(self, response: _Late) -> None:
+        """Write a response, or keep it for later."""
+        from cyclonedds.core import DDSException
+
+        if self._has_reader(response.client):
+            with suppress(DDSException):  # it has no room
+                self._writer.write(self._kind(response.data))
+                return
+        if response.writer not in self._reader.get_matched_publications():
+            return  # the client has gone
+        if time.monotonic() < response.deadline:
+            self._late.append(response)
+        else:
+            self._tell("a response is lost: its client does not read")
+
+    def _client(self, writer: int) -> str:
+        """Return the id of a request's client; empty if it says none."""
+        if writer not in self._clients:
+            if len(self._clients) >= _MOST_CLIENTS:
+                self._clients.clear()
+            found = self._reader.get_matched_publication_data(writer)
+            self._clients[writer] = "" if found is None else _client_id(found)
+        return self._clients[writer]
+
+    def _has_reader(self, client: str) -> bool:
+        """Return whether a client's reader is known."""
+        handles = self._writer.get_matched_subscriptions()
+        if self._matched.get(client) not in handles:
+            found = ((handle, self._writer.get_matched_subscription_data(handle)) for handle in handles)
+            self._matched = {_client_id(data): handle for handle, data in found if data is not None}
+        return client in self._matched
+
+    def _tell(self, text: str) -> None:
+        """Log once."""
+        if text not in self._logged and len(self._logged) < 10:
+            self._logged.add(text)
+            _log.warning("%s: %s", self.topic.name, text)
+
+
+def _client_id(endpoint: Any) -> str:
+    from cyclonedds.core import Policy
+
+    data = endpoint.qos[Policy.Userdata]
+    return "" if data is None else read_endpoint_data(data.data).get("clientid", "")

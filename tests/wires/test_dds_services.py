@@ -1,0 +1,263 @@
+"""Services and actions over DDS in rmw_cyclonedds_cpp's mapping, against a client that shares no code with them."""
+
+import logging
+import os
+import threading
+
+import pytest
+from conftest import ROVER, rovers
+from wires.ros_client import while_running
+from wires.ros_dds_client import dds_peer
+
+from drake_twin import Robot
+from drake_twin.services.graph import connect
+from drake_twin.wires.dds_service import DdsServer
+from drake_twin.wires.dds_wire import DdsWire
+from drake_twin.wires.rmw_dds_format import (
+    endpoint_data,
+    read_endpoint_data,
+    request_topic,
+    response_topic,
+    service_id,
+    with_header,
+    without_header,
+)
+
+pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+
+DOMAIN = 120 + int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
+LIST = "/robot_1/robot_state_publisher/list_parameters"
+NAMES = ["use_sim_time", "robot_description", "frame_prefix"]
+STEPS = "/drake_twin/simulate_steps/_action"
+
+
+@pytest.fixture
+def twin():
+    with rovers(1).build() as twin:
+        seam = connect(twin, [DdsWire(DOMAIN)])
+        try:
+            yield twin
+        finally:
+            seam.close()
+
+
+def wire_of(twin):
+    return twin.inbox.looks[0].__self__._wires[0]
+
+
+def test_names_and_user_data():
+    """As in ROS 2's "Topic and Service name mapping to DDS", and rmw_cyclonedds_cpp's csid_to_string."""
+    assert request_topic("/robot_1/controller_manager/list_controllers") == (
+        "rq/robot_1/controller_manager/list_controllersRequest"
+    )
+    assert response_topic("/add") == "rr/addReply"
+    name = service_id(bytes.fromhex("0110a1b2c3d4e5f60718293a000001c1"), 258)
+    assert name == "1.10.a1.b2.c3.d4.e5.f6.7.18.29.3a.0.0.1.2"
+    data = endpoint_data("RIHS01_ab", serviceid=name)
+    assert data == f"serviceid={name};typehash=RIHS01_ab;".encode()
+    assert read_endpoint_data(data) == {"serviceid": name, "typehash": "RIHS01_ab"}
+    assert read_endpoint_data(b"\xff\0;;=") == {}
+
+
+def test_a_header_of_either_byte_order():
+    little = bytes.fromhex("00010000 0807060504030201 0200000000000000 2a00000000000000".replace(" ", ""))
+    assert without_header(little) == (0x0102030405060708, 2, little[:4] + little[20:])
+    assert with_header(0x0102030405060708, 2, little[:4] + little[20:]) == little
+    big = bytes.fromhex("00000000 0102030405060708 0000000000000002 000000000000002a".replace(" ", ""))
+    assert without_header(big) == (0x0102030405060708, 2, big[:4] + big[20:])
+    with pytest.raises(ValueError, match="19 bytes are too few"):
+        without_header(little[:19])
+
+
+def test_parallel_clients_get_their_own_answers(twin):
+    """Three processes with two clients each, 50 calls a client."""
+    with dds_peer(DOMAIN) as first, dds_peer(DOMAIN) as second, dds_peer(DOMAIN) as third:
+
+        def work():
+            found = []
+
+            def ask(peer):
+                for name in ("a", "b"):
+                    peer.client(name, LIST, "ListParameters")
+                found.extend(peer.names(name, 50) for name in ("a", "b"))
+
+            threads = [threading.Thread(target=ask, args=(peer,)) for peer in (first, second, third)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            return found
+
+        assert while_running(twin, work) == [[NAMES]] * 6
+
+
+@pytest.mark.slow
+def test_ten_thousand_calls(twin):
+    with dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.client("a", LIST, "ListParameters")
+            return peer.names("a", 10_000)
+
+        assert while_running(twin, work) == [NAMES]
+
+
+def test_many_requests_at_once_are_all_answered(twin):
+    with dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.client("a", LIST, "ListParameters")
+            numbers = [peer.ask("a", [], 0) for _ in range(300)]
+            return numbers, peer.answers("a", 300)
+
+        numbers, answers = while_running(twin, work)
+    assert sorted(answer["seq_"] for answer in answers) == numbers
+    assert all(answer["result"]["names"] == NAMES for answer in answers)
+
+
+def test_a_response_waits_for_its_clients_reader(twin):
+    with dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.client("late", LIST, "ListParameters", is_deaf=True)
+            peer.client("other", LIST, "ListParameters")
+            peer.ask("late", [], 0)
+            peer.call("other", [], 0)  # by now the first one's response would have been written, too
+            peer.listen("late")
+            return peer.answers("late", 1)
+
+        (answer,) = while_running(twin, work)
+    assert answer["result"]["names"] == NAMES
+
+
+def test_an_action_from_its_goal_to_its_result(twin):
+    twin.pause()
+    start, number = twin.time, [[7] * 16]
+    with dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.client("send", f"{STEPS}/send_goal", "SendGoal")
+            peer.client("result", f"{STEPS}/get_result", "GetResult")
+            peer.subscribe(f"{STEPS}/feedback", "FeedbackMessage")
+            sent = peer.call("send", number, [400])
+            result = peer.call("result", number)
+            return sent, result, peer.heard(f"{STEPS}/feedback")
+
+        sent, result, feedback = while_running(twin, work)
+    assert sent["accepted"]
+    assert (result["status"], result["result"]["result"]["result"]) == (4, 1)  # succeeded; RESULT_OK
+    assert round((twin.time - start) / twin.clock.time_step) == 400
+    assert {item["goal_id"]["uuid"][0] for item in feedback} == {7}
+    assert all(sum(item["feedback"].values()) == 400 for item in feedback)
+
+
+def test_a_goal_is_cancelled(twin):
+    twin.pause()
+    number = [[7] * 16]
+    with dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.client("send", f"{STEPS}/send_goal", "SendGoal")
+            peer.client("cancel", f"{STEPS}/cancel_goal", "CancelGoal")
+            peer.client("result", f"{STEPS}/get_result", "GetResult")
+            peer.call("send", number, [10**9])
+            canceled = peer.call("cancel", [number, [0, 0]])
+            return canceled, peer.call("result", number)
+
+        canceled, result = while_running(twin, work)
+    assert canceled["return_code"] == 0
+    assert [item["goal_id"]["uuid"] for item in canceled["goals_canceling"]] == [[7] * 16]
+    assert result["status"] == 5
+
+
+def test_a_client_that_is_killed_while_it_waits(twin, caplog):
+    """Its response goes nowhere; the others are answered, and nothing of it is kept."""
+    twin.pause()
+    with dds_peer(DOMAIN) as killed, dds_peer(DOMAIN) as other, caplog.at_level(logging.WARNING):
+
+        def work():
+            killed.client("send", f"{STEPS}/send_goal", "SendGoal")
+            killed.client("result", f"{STEPS}/get_result", "GetResult")
+            killed.call("send", [[7] * 16], [10**9])
+            killed.ask("result", [[7] * 16])
+            killed.kill()
+            other.client("list", LIST, "ListParameters")
+            other.client("cancel", f"{STEPS}/cancel_goal", "CancelGoal")
+            names = other.names("list", 3)
+            other.call("cancel", [[[7] * 16], [0, 0]])
+            return names
+
+        assert while_running(twin, work) == [NAMES]
+    assert not [line for line in caplog.messages if "lost" in line]
+
+
+def test_what_is_no_request_is_one_line_of_the_log(twin, caplog):
+    no_text = "00010000" + "00" * 16 + "01000000 02000000 ff00".replace(" ", "") + "00" * (6 + 8)
+    with dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+
+        def work():
+            peer.client("a", LIST, "ListParameters")
+            for _ in range(3):
+                peer.raw("a", no_text)
+            return peer.names("a", 1)
+
+        assert while_running(twin, work) == [NAMES]
+    (line,) = [line for line in caplog.messages if line.startswith(LIST)]
+    assert "28 bytes are not a rcl_interfaces/srv/ListParameters_Request" in line
+
+
+def test_a_client_of_another_middleware_is_told_of_once(twin, caplog):
+    """Fast DDS's clients have the same topics and types, but no header: their bytes must not be taken for one."""
+    with dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+
+        def work():
+            peer.client("fast", LIST, "ListParameters", data="typehash=RIHS01_ab;")
+            peer.client("a", LIST, "ListParameters")
+            for _ in range(3):
+                peer.ask("fast", [], 0)
+            return peer.names("a", 1)
+
+        assert while_running(twin, work) == [NAMES]
+    (line,) = [line for line in caplog.messages if line.startswith(LIST)]
+    assert "its client is not of rmw_cyclonedds_cpp" in line
+
+
+def test_a_client_with_another_type_is_told_of_once(twin, caplog):
+    """It waits for ever, as over DDS it does with a ROS node, but the twin says why."""
+    with dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+
+        def work():
+            peer.client("wrong", LIST, "Other", is_wrong=True)
+            peer.client("a", LIST, "ListParameters")
+            while not any(line.startswith(LIST) for line in caplog.messages):
+                peer.names("a", 1)
+
+        while_running(twin, work)
+    kinds = "std_srvs/srv/Trigger, but its type is rcl_interfaces/srv/ListParameters"
+    assert [line for line in caplog.messages if line.startswith(LIST)] == [
+        f"{LIST}: another program calls it as {kinds}"
+    ]
+
+
+def test_services_that_nobody_calls_are_not_looked_at(twin, monkeypatch):
+    """Neither in a step nor when a command comes, and the run has the same state as one without."""
+    taken = []
+    monkeypatch.setattr(DdsServer, "take", lambda self: taken.append(self) or False)
+    with rovers(1).build() as alone:
+        twin.advance_to(1.0)
+        alone.advance_to(1.0)
+        assert twin.state_sha256() == alone.state_sha256()
+    assert sum(isinstance(item, DdsServer) for item in wire_of(twin)._readings) > 50
+    assert not taken
+
+
+def test_spawns_and_deletes_leave_no_service(twin):
+    readings = wire_of(twin)._readings
+    before = len(readings)
+    for _ in range(3):
+        twin.entities.spawn(Robot("guest", ROVER, xyz=(0, -3, 0.13)))
+        twin.advance_to(twin.time + 0.02)
+        assert len(readings) > before + 20
+        twin.entities.delete("guest")
+        twin.advance_to(twin.time + 0.02)
+    assert len(readings) == before
