@@ -143,6 +143,7 @@ def test_names_stand_between_a_robots_title_and_its_first_axes_and_all_within_th
         assert 0 <= x <= width
         assert 0 <= y <= height
         places["".join(node.itertext()).strip()] = y
+    assert words(tmp_path / "run.svg").count("simulated time (s)") == 2  # of the robot and of the real-time factor
     assert places["tilt"] == places["pan"]
     assert places["rover"] < places["tilt"] < places["position (rad)"]
     assert places["position (rad)"] < places["velocity (rad/s)"] < places["effort (N·m)"] < places["simulated time (s)"]

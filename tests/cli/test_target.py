@@ -194,4 +194,4 @@ def test_a_world_without_robots_says_what_it_lacks_and_nothing_else(tmp_path):
     with pytest.raises(InputError, match="puts it around robots") as refused:
         target(tmp_path / "w.sdf")
     assert "nowhere_robot" in str(refused.value)
-    assert "unknown_thing" not in str(refused.value)
+    assert "the plugin p" not in str(refused.value)
