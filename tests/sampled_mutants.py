@@ -219,7 +219,7 @@ def related_tests(file: str) -> list[str]:
         test = path.relative_to(ROOT).as_posix()
         count = len(word.findall(path.read_text(encoding="utf-8")))
         is_named = module.stem in path.stem
-        in_room = room != "" and f"tests/{room}/" in test
+        in_room = room != "" and (f"tests/{room}/" in test or test == f"tests/test_{room}.py")
         value = 100 * is_named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room
         if value > 5 or (in_room and value):
             points[test] = value
