@@ -77,6 +77,14 @@ def test_a_joint_told_to_go_beyond_its_range_stops_at_its_end():
     assert (desired[1], desired[4]) == (0.5, 0.0)
 
 
+def test_for_a_continuous_plant_velocities_are_positions_ahead_by_the_seconds_of_their_mode():
+    free = np.full((3, 3), np.inf)
+    seconds = {"velocity": (0.5, 0.5, 0.25), "position": (0.1, 0.1, 0.1)}
+    dut = JointServo(SIZES, WHEELS_AND_ARM, -free, free, as_position=seconds)
+    desired, _ = evaluate(dut, wheels=[5.0, 6.0], arm=[0.7, 0.1, 9.0])
+    assert desired == pytest.approx([6.0 * 0.5, 0.7 + 0.1 * 0.1, 5.0 * 0.25, 0.0, 0.0, 0.0])
+
+
 def test_an_assignment_can_change_while_the_commands_stay():
     dut = make_dut(WHEELS_AND_ARM, SIZES)
     context = dut.CreateDefaultContext()
