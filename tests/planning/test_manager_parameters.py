@@ -118,3 +118,30 @@ def test_a_wrong_value_of_a_file_is_refused_with_its_line(plan):
     file = FILE | {"one": {"ros__parameters": {"joints": ["left", "middle"], "interface_name": "velocity"}}}
     found, _ = plan(file)
     assert [isinstance(error, InputError) and "no joint 'middle'" in str(error) for error in found.errors] == [True]
+
+
+def test_a_prefix_of_the_xacro_file_is_found_in_parameters_without_it_at_any_depth(tmp_path):
+    text = (
+        ROBOT.format("")
+        .replace('"left', '"$(arg prefix)left')
+        .replace(
+            '<robot name="r">',
+            '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="prefix" default=""/>',
+        )
+    )
+    (tmp_path / "r.urdf.xacro").write_text(text)
+    pid = {"type": "pid_controller/PidController", "dof_names": ["left"], "command_interface": "velocity"}
+    pid |= {"reference_and_state_interfaces": ["position"], "gains": {"left": {"p": 2.0}}}
+    arguments = {"prefix": "r1_"}
+    robot = Robot("r", str(tmp_path / "r.urdf.xacro"), xacro_args=arguments, added_controllers={"pid": pid})
+    (controller,) = plan_robot(robot, PackageIndex()).controllers
+    assert joints(controller) == ["r1_left"]
+    assert controller.parameters.gains["r1_left"].p == 2.0
+
+
+def test_a_parameters_file_that_is_gone_is_refused_with_the_line_of_the_plugin_that_names_it(tmp_path):
+    file = tmp_path / "r.urdf"
+    plugin = '<plugin filename="gz_ros2_control-system" name="c"><parameters>/gone/c.yaml</parameters></plugin>'
+    file.write_text(f'<robot name="r"><link name="l"/>\n<gazebo>\n{plugin}</gazebo></robot>')
+    with pytest.raises(InputError, match=rf"^{file}:3: the ros2_control plugin's parameters file: /gone/c.yaml"):
+        plan_robot(Robot("r", str(file)), PackageIndex((), {}))
