@@ -7,12 +7,15 @@ topic's name with ``@ROBOT/CONTROLLER`` after it.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import chain, count
+from typing import Any
 
-from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
 from drake_twin.errors import InputError
 from drake_twin.messages.draft import Draft
 from drake_twin.systems.plant_reading import Reading
+
+TF = "/tf"
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,9 @@ class PublishedTopic:
         sensor: The sensor that measures it, at multiples of 1 / rate only: its link or joint and its name.
         drafter: Drafts its messages; None if they are evaluated whole.
         delay: How long after its measurement a message is published (s); None for at once.
+        offset: How long after multiples of 1 / rate it is published (s).
+        publication: Returns what tells the message that the port has from an earlier one, given the root context; None
+            if the port has a new one at any time.
     """
 
     topic: str
@@ -40,6 +46,8 @@ class PublishedTopic:
     sensor: str = ""
     drafter: Callable[[Reading], Draft] | None = None
     delay: float | None = None
+    offset: float = 0.0
+    publication: Callable[[Context], Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -74,8 +82,7 @@ class Topics:
 
     def __init__(self, builder: DiagramBuilder):
         self._builder = builder
-        self._drafters: dict[str, Callable[[Reading], Draft] | None] = {}
-        self._delays: dict[str, float | None] = {}
+        self._more: dict[str, dict[str, Any]] = {}
         self.published: dict[str, tuple[str, str, float | None, tuple[str, str, str]]] = {}
         self.subscribed: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
         self.actions: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
@@ -89,26 +96,34 @@ class Topics:
         robot: str = "",
         controller: str = "",
         sensor: str = "",
-        drafter: Callable[[Reading], Draft] | None = None,
-        delay: float | None = None,
+        **more: Any,
     ) -> None:
         """Export an output port under a topic's name.
 
-        If several controllers of one robot publish the same type on one topic, only the first does.
+        If several controllers of one robot publish the same type on one topic, only the first does, except on ``/tf``.
+
+        Args:
+            topic: The topic.
+            port: The port with its messages.
+            kind: Their ROS type.
+            rate: As in `PublishedTopic`, like the following.
+            robot: The robot.
+            controller: The controller.
+            sensor: The sensor.
+            **more: The other fields of `PublishedTopic`.
 
         Raises:
             InputError: If another message type is published on the topic.
         """
         if topic in self.published:
             _, known, _, (owner, *_) = self.published[topic]
-            if robot and (known, owner) == (kind, robot):
+            if topic != TF and robot and (known, owner) == (kind, robot):
                 return
             _refuse_other_type(topic, known, kind, owner, robot)
         name = _port_name(topic, self.published, robot, controller)
         self._builder.ExportOutput(port, name[1:])
         self.published[name] = (topic, kind, rate, (robot, controller, sensor))
-        self._drafters[name] = drafter
-        self._delays[name] = delay
+        self._more[name] = more
 
     def listen(self, topic: str, port: InputPort, kind: str, *owner: str, action: bool = False) -> None:
         """Export an input port under the name of a topic or an action.
@@ -137,9 +152,7 @@ class Topics:
     def published_of(self, diagram: Diagram) -> dict[str, PublishedTopic]:
         """Return the published topics of the built diagram."""
         return {
-            name: PublishedTopic(
-                topic, kind, diagram.GetOutputPort(name[1:]), rate, *owner, self._drafters[name], self._delays[name]
-            )
+            name: PublishedTopic(topic, kind, diagram.GetOutputPort(name[1:]), rate, *owner, **self._more[name])
             for name, (topic, kind, rate, owner) in self.published.items()
         }
 

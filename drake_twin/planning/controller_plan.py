@@ -25,6 +25,7 @@ class Wiring:
         types: The controller's topic → its ROS type, if the plugin's is another one.
         elements: The controller's topic → the field, and its element, of the plugin's message that commands all joints.
         true_odometry: Whether its odometry is the true pose instead of an estimate from its wheels.
+        odometry_rate: The rate of its odometry (Hz); None for that of its parameters.
     """
 
     topics: Mapping[str, str] = field(default_factory=dict)
@@ -32,6 +33,7 @@ class Wiring:
     types: Mapping[str, str] = field(default_factory=dict)
     elements: Mapping[str, Element] = field(default_factory=dict)
     true_odometry: bool = False
+    odometry_rate: float | None = None
 
 
 @dataclass(frozen=True)

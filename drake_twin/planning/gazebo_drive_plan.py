@@ -153,7 +153,7 @@ def drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> d
 
 def wiring_of(drive: GazeboDrive) -> Wiring:
     """Return the topics of a plugin's controller."""
-    return Wiring(drive.topics, drive.gz_topics, drive.types, drive.elements, drive.true_odometry)
+    return Wiring(drive.topics, drive.gz_topics, drive.types, drive.elements, drive.true_odometry, drive.odometry_rate)
 
 
 def leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:

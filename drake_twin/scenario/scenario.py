@@ -127,6 +127,8 @@ class Robot:
         command_delay: How much later what is published to its controllers reaches them (s), in whole physics steps.
         measurement_delay: How old the joint states are that its controllers read and publish (s), likewise.
         noise: A factor on the noise of all its sensors: 1 for that of its file, 0 for ideal values.
+        publish_frequency: The highest rate at which its moving joints are published on ``/tf`` (Hz, 0 for that of its
+            joint states), as robot_state_publisher's parameter of this name.
     """
 
     name: str
@@ -155,6 +157,7 @@ class Robot:
     command_delay: float = 0.0
     measurement_delay: float = 0.0
     noise: float = 1.0
+    publish_frequency: float = 20.0
 
     @property
     def topic_namespace(self) -> str:
@@ -340,6 +343,9 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         for name, delay in (("command_delay", robot.command_delay), ("measurement_delay", robot.measurement_delay)):
             if not 0 <= delay <= LONGEST_DELAY:
                 yield ("robots", index, name), f"{delay:g} s is not a delay from 0 to {LONGEST_DELAY:g} s"
+        if not 0 <= robot.publish_frequency <= 1000:  # as in robot_state_publisher
+            what = f"{robot.publish_frequency:g} Hz is not a rate from 0 to 1000 Hz"
+            yield ("robots", index, "publish_frequency"), what
         if robot.measurement_delay and scenario.engine == CENIC:
             yield ("robots", index, "measurement_delay"), f"the engine {CENIC} measures without delay: use {DISCRETE}"
     children: set[str] = set()

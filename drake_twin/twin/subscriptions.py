@@ -1,6 +1,6 @@
 """The subscriptions to a twin's topics, and the times of their deliveries."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil, floor, inf
 from operator import attrgetter
@@ -13,7 +13,7 @@ _due = attrgetter("due")
 
 
 class Subscription:
-    """A callback and the grid of simulation times, beginning with zero, at which it receives a topic's message.
+    """A callback and the grid of simulation times at which it receives a topic's message.
 
     Args:
         topic: The topic.
@@ -23,12 +23,14 @@ class Subscription:
         takes_drafts: Whether the callback is given drafts of the messages.
         delay: How long after its measurement a message is delivered (s); it is measured at points of the grid only.
             None for at once.
+        offset: The time of the first point of the grid (s).
 
     Attributes:
         due: The step of the next delivery, for the step length of the last `use`; infinite without one.
         is_latched: Whether its message never changes.
         delay: The delay (s).
         takes_drafts: Whether the callback is given drafts of the messages.
+        publication: What tells the last message from the next one; None before the first.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Subscription:
         *,
         takes_drafts: bool = False,
         delay: float | None = None,
+        offset: float = 0.0,
     ):
         self.topic = topic
         self.callback = callback
@@ -47,6 +50,8 @@ class Subscription:
         self.due: float = 0
         self.is_latched = period is None
         self.takes_drafts = takes_drafts
+        self.publication: Any = None
+        self._offset = offset
         self._period = period or inf
         self._next_point = self._last_point_before(time)
         self._latched: Any = None
@@ -56,7 +61,7 @@ class Subscription:
         if self.is_latched:
             self.due = 0 if self._next_point == 0 else inf
         else:
-            self.due = step_at(self._next_point * self._period, time_step)
+            self.due = step_at(self._offset + self._next_point * self._period, time_step)
 
     def pass_step(self, step: int, time_step: float) -> None:
         """Count a delivery at a step of a length (s), and move on to the next grid point."""
@@ -83,11 +88,13 @@ class Subscription:
 
     def begin(self, time: float) -> None:
         """Restart at a time (s) like a new subscription; call `use` afterwards."""
+        self.publication = None
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
         """Return the last point of the grid that is not after a time; with a delay the first that is not before."""
-        return floor(time / self._period + 1e-9) if self.delay is None else ceil(time / self._period - 1e-9)
+        points = (time - self._offset) / self._period
+        return floor(points + 1e-9) if self.delay is None else ceil(points - 1e-9)
 
 
 @dataclass
@@ -99,6 +106,15 @@ class _LateMessage:
     draft: Draft
 
 
+@dataclass(eq=False)
+class _HeardTopic:
+    """A topic with a subscription for each port that it has: their functions that end them, and what makes more."""
+
+    topic: str
+    subscription_of: Callable[[str], Subscription]
+    ends: dict[str, Callable[[], None]]
+
+
 class Subscriptions:
     """All subscriptions of a twin; callbacks are called in the order of the subscriptions.
 
@@ -106,17 +122,22 @@ class Subscriptions:
         time_step: The physics step (s).
 
     Attributes:
+        ports_of: Returns the ports of a topic, which come and go with its publishers.
         read: Returns a reading of the present time.
-        draft: Drafts a topic's message from it; None without a message, or for an unknown topic.
+        publication: Returns what tells a topic's message, as read, from an earlier one; None if it is new in any case.
+        draft: Drafts a topic's message from a reading; None without a message, or for an unknown topic.
         due_step: The step at which the next delivery is due; infinite without one.
     """
 
     def __init__(self, time_step: float):
+        self.ports_of: Callable[[str], Iterable[str]] = lambda topic: ()
         self.read: Callable[[], Any] = lambda: None
+        self.publication: Callable[[str, Any], Any] = lambda topic, reading: None
         self.draft: Callable[[str, Any], Draft | None] = lambda topic, reading: None
         self._time_step = time_step
         self._items: list[Subscription] = []
         self._late: list[_LateMessage] = []
+        self._topics: list[_HeardTopic] = []
         self.due_step: float = inf
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
@@ -126,9 +147,35 @@ class Subscriptions:
         self._note_due_step()
         return lambda: self._end(subscription)
 
+    def add_topic(self, topic: str, subscription_of: Callable[[str], Subscription]) -> Callable[[], None]:
+        """Subscribe to all ports of a topic, also to those that it gets later; return a function that ends it.
+
+        Args:
+            topic: The topic.
+            subscription_of: Returns the subscription to one of its ports.
+        """
+        heard = _HeardTopic(topic, subscription_of, {})
+        self._topics.append(heard)
+        self._follow_ports()
+
+        def end() -> None:
+            if heard in self._topics:
+                self._topics.remove(heard)
+            for each in heard.ends.values():
+                each()
+
+        return end
+
+    def _follow_ports(self) -> None:
+        for heard in self._topics:
+            for port in self.ports_of(heard.topic):
+                if port not in heard.ends:
+                    heard.ends[port] = self.add(heard.subscription_of(port))
+
     def use(self, time_step: float) -> None:
-        """Count in steps of this length (s) from now on."""
+        """Count in steps of this length (s) from now on, and hear the ports that there are now."""
         self._time_step = time_step
+        self._follow_ports()
         for subscription in self._items:
             subscription.use(time_step)
         self._note_due_step()
@@ -142,11 +189,14 @@ class Subscriptions:
                 if subscription.due > step:  # ended meanwhile
                     continue
                 topic = subscription.topic
+                publication = self.publication(topic, reading)
+                subscription.pass_step(step, self._time_step)
+                if publication is not None and publication == subscription.publication:
+                    continue
+                subscription.publication = publication
                 if topic not in drafts:
                     drafts[topic] = self.draft(topic, reading)
-                draft = drafts[topic]
-                subscription.pass_step(step, self._time_step)
-                if draft is None:
+                if (draft := drafts[topic]) is None:
                     continue
                 if subscription.delay is None:
                     subscription.take(draft)
