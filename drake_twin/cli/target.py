@@ -120,6 +120,8 @@ def _with_options(target: Target, options: argparse.Namespace, commands: tuple[C
         scenario = replace(scenario, accuracy=options.accuracy)
     if options.time_step is not None:
         scenario = replace(scenario, time_step=options.time_step)
+    if options.clock_rate is not None:
+        scenario = replace(scenario, clock_rate=options.clock_rate)
     if options.seed is not None:
         scenario = replace(scenario, seed=options.seed)
     if options.no_sensor_noise:
@@ -147,10 +149,9 @@ def _saved(options: argparse.Namespace) -> Target:
         raise InputError(
             f"{option} defines what is run: it cannot be combined with a target, or options of robots, world and steps"
         )
-    if options.engine is not None or options.accuracy is not None or options.pub:
-        raise InputError(
-            f"{option} continues as it was saved: it cannot be combined with --engine, --accuracy or --pub"
-        )
+    if options.engine is not None or options.accuracy is not None or options.clock_rate is not None or options.pub:
+        what = "it cannot be combined with --engine, --accuracy, --clock-rate or --pub"
+        raise InputError(f"{option} continues as it was saved: {what}")
     if options.node:
         raise InputError(f"{option} continues as it was saved, with its nodes: it cannot be combined with --node")
     if options.seed is not None or options.no_sensor_noise:

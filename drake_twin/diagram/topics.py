@@ -15,7 +15,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages.draft import Draft
 from drake_twin.systems.plant_reading import Reading
 
-TF = "/tf"
+CLOCK, TF = "/clock", "/tf"
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,7 @@ class PublishedTopic:
         offset: How long after multiples of 1 / rate it is published (s).
         publication: Returns what tells the message that the port has from an earlier one, given the root context; None
             if the port has a new one at any time.
+        draft_at: Drafts the message of any time (s), if it follows from the time alone.
     """
 
     topic: str
@@ -48,6 +49,7 @@ class PublishedTopic:
     delay: float | None = None
     offset: float = 0.0
     publication: Callable[[Context], Any] | None = None
+    draft_at: Callable[[float], Draft] | None = None
 
 
 @dataclass(frozen=True)

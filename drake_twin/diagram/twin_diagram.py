@@ -31,7 +31,7 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
-from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
+from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -232,8 +232,14 @@ def _build(
     about_sensors = add_sensors(builder, parts, plans, models, robots, topics, surroundings)
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
-    clock_type = "rosgraph_msgs/msg/Clock"
-    topics.publish("/clock", clock.get_clock_output_port(), clock_type, 100.0, drafter=clock.drafter())
+    topics.publish(
+        CLOCK,
+        clock.get_clock_output_port(),
+        "rosgraph_msgs/msg/Clock",
+        scenario.clock_rate or 1.0 / scenario.time_step,
+        drafter=clock.drafter(),
+        draft_at=clock.draft_at(),
+    )
     publish_frames(frames, plans, robots, topics, scenario.time_step)
     _add_ground_truth(builder, parts, plans, topics)
     _add_entity_states(builder, parts, plans, topics)

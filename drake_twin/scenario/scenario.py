@@ -251,6 +251,7 @@ class Scenario:
             `drake_twin.twin.varied_parameters` lists them. Servo gains stay those of the files' values.
         pushes: Forces that push links, with their times.
         retune: Whether servo gains follow `values` instead, as if the files had them.
+        clock_rate: The rate of ``/clock`` (Hz); 0 for each physics step, as Gazebo Sim publishes it.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -272,6 +273,7 @@ class Scenario:
     values: Mapping[str, float] = field(default_factory=dict)
     pushes: tuple[Push, ...] = ()
     retune: bool = False
+    clock_rate: float = 0.0
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -315,6 +317,8 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     for name, valid in (("engine", ENGINES), ("contact_approximation", CONTACT_APPROXIMATIONS)):
         if getattr(scenario, name) not in valid:
             yield (name,), _unknown(getattr(scenario, name), valid)
+    if not 0 <= scenario.clock_rate <= 1 / SHORTEST_STEP:
+        yield ("clock_rate",), f"{scenario.clock_rate:g} Hz is out of bounds: valid are 0 to {1 / SHORTEST_STEP:g} Hz"
     if scenario.seed < 0:
         yield ("seed",), f"{scenario.seed} is below zero"
     if not 1e-9 <= scenario.accuracy <= 1.0:

@@ -215,7 +215,16 @@ class Graph(Group):
         def of_port(port: str) -> Subscription:
             item = session.built.published[port]
             period, time = _period(item, rate), session.clock.time
-            return Subscription(port, callback, period, time, takes_drafts=drafts, delay=item.delay, offset=item.offset)
+            return Subscription(
+                port,
+                callback,
+                period,
+                time,
+                takes_drafts=drafts,
+                delay=item.delay,
+                offset=item.offset,
+                draft_at=item.draft_at if drafts else None,
+            )
 
         return session.subscriptions.add_topic(name, of_port)
 

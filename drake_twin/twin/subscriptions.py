@@ -3,13 +3,10 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil, floor, inf
-from operator import attrgetter
 from typing import Any
 
 from drake_twin.messages.draft import Draft
 from drake_twin.twin.schedule import step_at
-
-_due = attrgetter("due")
 
 
 class Subscription:
@@ -24,12 +21,15 @@ class Subscription:
         delay: How long after its measurement a message is delivered (s); it is measured at points of the grid only.
             None for at once.
         offset: The time of the first point of the grid (s).
+        draft_at: Drafts the message of any time (s), if it follows from the time alone: the simulation does not have to
+            stop for it, and it is delivered at the next stop.
 
     Attributes:
         due: The step of the next delivery, for the step length of the last `use`; infinite without one.
         is_latched: Whether its message never changes.
         delay: The delay (s).
         takes_drafts: Whether the callback is given drafts of the messages.
+        draft_at: Drafts the message of any time (s); None if the simulation has to stop for it.
         publication: What tells the last message from the next one; None before the first.
     """
 
@@ -43,10 +43,12 @@ class Subscription:
         takes_drafts: bool = False,
         delay: float | None = None,
         offset: float = 0.0,
+        draft_at: Callable[[float], Draft] | None = None,
     ):
         self.topic = topic
         self.callback = callback
         self.delay = delay
+        self.draft_at = draft_at
         self.due: float = 0
         self.is_latched = period is None
         self.takes_drafts = takes_drafts
@@ -126,7 +128,8 @@ class Subscriptions:
         read: Returns a reading of the present time.
         publication: Returns what tells a topic's message, as read, from an earlier one; None if it is new in any case.
         draft: Drafts a topic's message from a reading; None without a message, or for an unknown topic.
-        due_step: The step at which the next delivery is due; infinite without one.
+        due_step: The step at which the next delivery is due that the simulation has to stop for; infinite without one.
+        is_caught_up: Whether no message comes without a stop.
     """
 
     def __init__(self, time_step: float):
@@ -139,6 +142,7 @@ class Subscriptions:
         self._late: list[_LateMessage] = []
         self._topics: list[_HeardTopic] = []
         self.due_step: float = inf
+        self.is_caught_up = True
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
         """Add a subscription; return a function that ends it."""
@@ -185,7 +189,7 @@ class Subscriptions:
         while self.due_step <= step:
             reading = self.read()
             drafts: dict[str, Draft | None] = {}
-            for subscription in [item for item in self._items if item.due <= step]:
+            for subscription in [item for item in self._items if item.due <= step and item.draft_at is None]:
                 if subscription.due > step:  # ended meanwhile
                     continue
                 topic = subscription.topic
@@ -205,6 +209,16 @@ class Subscriptions:
             if self._late:
                 self._deliver_late(step)
             self._note_due_step()
+
+    def catch_up(self, step: int) -> None:
+        """Deliver the messages up to a step for which the simulation does not stop."""
+        if self.is_caught_up:
+            return
+        for subscription in [item for item in self._items if item.draft_at is not None]:
+            while subscription.draft_at is not None and subscription.due <= step:
+                draft = subscription.draft_at(subscription.due * self._time_step)
+                subscription.pass_step(int(subscription.due), self._time_step)
+                subscription.take(draft)
 
     def _deliver_late(self, step: int) -> None:
         for late in [item for item in self._late if step_at(item.time, self._time_step) <= step]:
@@ -237,6 +251,7 @@ class Subscriptions:
             self._note_due_step()
 
     def _note_due_step(self) -> None:
-        self.due_step = min(map(_due, self._items), default=inf)
+        self.is_caught_up = all(item.draft_at is None for item in self._items)
+        self.due_step = min((item.due for item in self._items if item.draft_at is None), default=inf)
         if self._late:
             self.due_step = min(self.due_step, *(step_at(item.time, self._time_step) for item in self._late))
