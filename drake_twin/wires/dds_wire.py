@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
+from drake_twin.wires.dds_graph import DdsGraph
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
     GRAPH_TYPE,
@@ -65,6 +66,7 @@ class DdsWire:
         self._graph: Any = _writer(self._participant, GRAPH_TOPIC, GRAPH_TYPE, _qos(latched=True))
         self._graph_type = sample_type(GRAPH_TYPE)
         self._has_changed = True
+        self._others: Any = None
         self._told_services = False
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="drake_twin dds", daemon=True)
@@ -106,6 +108,18 @@ class DdsWire:
             _log.warning("services and actions are not offered over DDS: --ros zenoh offers them")
         return _Nothing()
 
+    def begin_discovery(self) -> None:
+        """Begin to collect what `topics_beside` returns, which takes others some time to tell."""
+        if self._others is None:
+            self._others = DdsGraph(self._participant)
+
+    def topics_beside(self, node: str) -> list[str]:
+        """Return the topics of other participants with a node; see `drake_twin.wires.other_twins`."""
+        self.begin_discovery()
+        others, self._others = self._others, None
+        found: list[str] = others.topics_beside(node)
+        return found
+
     def close(self) -> None:
         """End the participant."""
         self._is_closed.set()
@@ -114,7 +128,7 @@ class DdsWire:
             sender.close()
         for listener in tuple(self._listeners):
             listener.close()
-        self._graph = self._waiting = self._participant = self._domain = None
+        self._graph = self._others = self._waiting = self._participant = self._domain = None
 
     def forget(self, endpoint: "_Sender | _Listener") -> None:
         """Forget a closed endpoint."""

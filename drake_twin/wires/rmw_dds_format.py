@@ -37,6 +37,11 @@ def topic_name(topic: str) -> str:
     return f"rt{topic}"
 
 
+def ros_topic(name: str) -> str:
+    """Return the topic with a DDS name; empty if it is not a topic of ROS."""
+    return name.removeprefix("rt") if name.startswith("rt/") else ""
+
+
 def endpoint_data(type_hash: str) -> bytes:
     """Return the user data of a reader or writer."""
     return f"typehash={type_hash};".encode() if type_hash else b""
