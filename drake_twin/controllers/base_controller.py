@@ -206,10 +206,6 @@ class Controller(WitnesslessSystem):
     def cancel(self, context: Context) -> None:
         """Cancel the newest goal of its action."""
 
-    def publication(self, topic: str, context: Context) -> Any:
-        """Return what tells the message that a topic's port has from an earlier one; None if it is always a new one."""
-        return None
-
     def drafter(self, topic: str, places: Sequence[int]) -> Drafter | None:
         """Return what drafts a topic's messages, if they follow from the plant's state and efforts alone; else None.
 

@@ -102,7 +102,7 @@ class PeriodicController(StatefulController):
         return Update(memory, self._nothing)
 
     def publication(self, topic: str, context: Context) -> Any:
-        """Return the time of the last update (s), which publishes."""
+        """Return the time at which the message on a topic's port was published (s): at the last update."""
         return self.sample(context).time
 
     def used_id(self, memory: Any) -> int:

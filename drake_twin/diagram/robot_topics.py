@@ -71,7 +71,7 @@ def times_of(controller: Controller, own: str, time_step: float) -> dict[str, An
     return times
 
 
-def _publication(controller: Controller, own: str, root_context: Context) -> Any:
+def _publication(controller: PeriodicController, own: str, root_context: Context) -> Any:
     return controller.publication(own, controller.GetMyContextFromRoot(root_context))
 
 

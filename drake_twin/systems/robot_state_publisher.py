@@ -168,7 +168,7 @@ class RobotStatePublisher(WitnesslessSystem):
     def tf_drafter(self) -> Callable[[Reading], Draft]:
         """Return what drafts the messages of ``tf`` without the drives' transforms, which drives publish themselves.
 
-        There are none if nothing moves. The drafter refers to this system, which must not keep it.
+        If nothing moves, it drafts nothing. It refers to this system, which must not keep it.
         """
         numbers = 7 * (len(self._bases) + len(self._moving.frames))
         if not numbers and not self._links:

@@ -29,7 +29,7 @@ class SeesGraph(Protocol):
 def refuse_other_twin(wire: SeesGraph, topics: Iterable[str]) -> None:
     """Refuse to publish what another twin publishes already.
 
-    A twin is known by its node ``/drake_twin``, so that a robot_state_publisher of the user's own is none.
+    A twin is known by its node ``/drake_twin``: a robot_state_publisher of the user's own does not count.
 
     Args:
         wire: The wire, on which this twin has no topics yet.
