@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from lxml import etree
 
@@ -33,7 +34,7 @@ def _part(attributes: str = "", texts: str = "", names: str | None = None, **chi
 
 # Of <gazebo>: their text, or Gazebo classic's value="…". The last two ask that fixed joints are not lumped together,
 # which the twin never does.
-_TEXT_OR_VALUE = dict.fromkeys(
+_TEXT_OR_VALUE: dict[str, Any] = dict.fromkeys(
     (
         *("mu1", "mu2", "selfCollide", "self_collide", "static", "gravity", "turnGravityOff"),
         *("preserveFixedJoint", "disableFixedJointLumping"),

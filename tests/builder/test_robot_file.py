@@ -50,7 +50,7 @@ def test_the_row_leaves_twice_the_larger_side_of_the_robot_and_half_a_meter_at_l
     box = f"<collision><geometry><box size='{' '.join(map(str, size))}'/></geometry></collision>"
     text = PREFIXED.format(argument="n").replace("<collision>", f"{box}<collision>").replace("0.25", "0.01")
     (tmp_path / "r.urdf.xacro").write_text(text)
-    robots = robot_file_scenario(tmp_path / "r.urdf.xacro", 3, xacro_args={}).robots
+    robots = planned_robots(tmp_path / "r.urdf.xacro", 3, xacro_args={}).scenario.robots
     assert [robot.xyz[1] for robot in robots] == pytest.approx([0.0, spacing, 2 * spacing])
 
 
