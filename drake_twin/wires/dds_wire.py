@@ -13,7 +13,6 @@ from drake_twin.messages.interface_types import type_hash
 from drake_twin.requirements import missing
 from drake_twin.wires.dds_discovery import Discovery, End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, Nothing, quality, reader, writer
-from drake_twin.wires.dds_graph import DdsGraph
 from drake_twin.wires.dds_service import DdsServer
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
@@ -33,6 +32,7 @@ from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
 _log = logging.getLogger(__name__)
 LOOPBACK = "127.0.0.1"
 _PERIOD = 0.02  # s between two looks at who listens
+_DISCOVERY = 1.0  # s in which participants find one another
 
 
 class DdsWire:
@@ -75,10 +75,10 @@ class DdsWire:
         )
         self._graph_type = sample_type(GRAPH_TYPE)
         self._has_changed, self._has_found = True, False
-        self._others: Any = None
         self._discovery: Any = Discovery(self._participant)
         for condition in self._discovery.conditions:
             self._waiting.attach(condition)
+        self._discovered = time.monotonic() + _DISCOVERY
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="drake_twin dds", daemon=True)
         self._thread.start()
@@ -111,16 +111,11 @@ class DdsWire:
             name = service_id(self._participant.guid.bytes, next(self._services))
             return self._follow(DdsServer(self, self._participant, service, name, answer))
 
-    def begin_discovery(self) -> None:
-        """Begin to collect what `topics_beside` returns, which takes others some time to tell."""
-        if self._others is None:
-            self._others = DdsGraph(self._participant)
-
     def topics_beside(self, node: str) -> list[str]:
         """Return the topics of other participants with a node; see `drake_twin.wires.other_twins`."""
-        self.begin_discovery()
-        others, self._others = self._others, None
-        found: list[str] = others.topics_beside(node)
+        self._is_closed.wait(max(0.0, self._discovered - time.monotonic()))  # they take some time to tell
+        with self._lock:
+            found: list[str] = self._discovery.topics_beside(node)
         return found
 
     def close(self) -> None:
@@ -131,7 +126,7 @@ class DdsWire:
             sender.close()
         for reading in tuple(self._readings):
             reading.close()
-        self._graph = self._others = self._waiting = self._discovery = self._participant = self._domain = None
+        self._graph = self._waiting = self._discovery = self._participant = self._domain = None
 
     def forget(self, endpoint: "_Sender | _Listener | DdsServer") -> None:
         """Forget a closed endpoint."""

@@ -6,6 +6,7 @@ import pytest
 from conftest import rovers
 from local_wire import LocalWire
 from program_runs import run
+from waiting import until
 from wires.zenoh_peer import free_port
 
 from drake_twin.errors import InputError
@@ -110,13 +111,16 @@ def test_a_robot_state_publisher_of_the_users_own_is_no_twin():
     graph = writer(participant, GRAPH_TOPIC, GRAPH_TYPE, quality(b"", latched=True, depth=1))
     gid, writers = participant.guid.bytes, NodeEndpoints((), (tf.guid.bytes,))
     try:
-        for names, found in (
-            (("/robot_state_publisher", "/other/drake_twin"), []),
-            (("/robot_state_publisher", "/drake_twin"), ["/tf"]),
+        for names, others in (
+            (("/robot_state_publisher", "/other/drake_twin"), {"/drake_twin", "/drake"}),
+            (("/robot_state_publisher", "/drake_twin"), {"/other/drake_twin"}),
         ):
             graph.write(sample_type(GRAPH_TYPE)(graph_message(gid, dict.fromkeys(names, writers))))
-            assert wire.topics_beside("/robot_state_publisher") == ["/tf"]
-            assert wire.topics_beside("/drake_twin") == found
+            for name in names:
+                until(lambda name=name: wire.topics_beside(name) == ["/tf"])
+            assert [wire.topics_beside(name) for name in others] == [[]] * len(others)
+        del tf, graph, participant
+        until(lambda: not wire.topics_beside("/drake_twin"))
     finally:
         wire.close()
 

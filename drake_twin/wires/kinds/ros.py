@@ -121,7 +121,6 @@ def _open_dds(options: argparse.Namespace, is_first: bool) -> "Wire":
 
     wire = DdsWire(options.ros_domain, options.ros_host or LOOPBACK)
     if is_first:
-        wire.begin_discovery()
         say(f"ros: domain {wire.domain} over DDS (RMW_IMPLEMENTATION=rmw_cyclonedds_cpp), {wire.place}")
         say("ros: other middlewares over DDS have the topics; services, actions and parameters are not for them")
         _say_that_it_is_open("participant")
