@@ -224,7 +224,7 @@ def related_tests(file: str) -> list[str]:
         count = len(word.findall(path.read_text(encoding="utf-8")))
         name = path.stem.removeprefix("test_")
         named = (module.stem in name) + (module.stem == name)
-        in_room = room != "" and f"tests/{room}/" in test
+        in_room = room != "" and (f"tests/{room}/" in test or test == f"tests/test_{room}.py")
         is_users = in_room and name in users
         value = 100 * named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room + 50 * is_users
         value += 150 * (test in listed)

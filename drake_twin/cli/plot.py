@@ -12,9 +12,9 @@ from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_twin.errors import InputError, RunError
+from drake_twin.cli.results import write_result
+from drake_twin.errors import InputError
 from drake_twin.requirements import missing
-from drake_twin.whole_file import write_whole
 
 if TYPE_CHECKING:  # the history needs Drake; checking a name does not
     from matplotlib.axes import Axes
@@ -85,10 +85,7 @@ def write_plot(history: RunHistory, file: Path) -> None:
         dots = min(_DOTS_PER_INCH, _MOST_DOTS / max(width, height))
         drawn = BytesIO()
         sheet.figure.savefig(drawn, dpi=dots, format=file.suffix.lower().removeprefix("."))
-        try:
-            write_whole(file, drawn.getvalue())
-        except OSError as error:
-            raise RunError(f"the plot {file} cannot be written ({error.strerror})") from None
+        write_result("plot", file, drawn.getvalue())
 
 
 class _Sheet:

@@ -47,19 +47,19 @@ def save_results(
     return failure
 
 
-def write_result(what: str, file: Path, text: str) -> None:
+def write_result(what: str, file: Path, content: str | bytes) -> None:
     """Write a file whole.
 
     Args:
         what: What it is, for the error.
         file: The file.
-        text: Its text.
+        content: Its text, or its bytes.
 
     Raises:
         RunError: If it cannot be written.
     """
     try:
-        write_whole(file, text)
+        write_whole(file, content)
     except OSError as error:
         raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
 

@@ -15,7 +15,7 @@ from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.link_surface import SURFACE_FRICTION
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.description.sdf_document import numbers_in
-from drake_twin.description.wheel_geometry import link_poses, rotation, wheel_radius
+from drake_twin.description.wheel_geometry import link_poses, wheel_radius
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Place
 
@@ -128,7 +128,7 @@ def _wheel(
 
 def _child_axis(joint: Joint) -> np.ndarray:
     """Return a joint's axis in its child link."""
-    return np.asarray(rotation(joint.child_origin.rpy).T @ np.array(joint.axis))
+    return np.asarray(joint.child_origin.transform().rotation().inverse().matrix() @ np.array(joint.axis))
 
 
 def _joints_above(description: RobotDescription, link: str) -> list[str]:

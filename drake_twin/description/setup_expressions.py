@@ -19,7 +19,7 @@ _LONGEST = 100_000  # characters of a string
 
 
 def read_setup_py(package: Path) -> "SetupReader":
-    """Return what a package's setup.py says; nothing, if it has none or is not Python."""
+    """Return what a package's setup.py says; nothing, if it has none or it cannot be parsed."""
     reader = SetupReader(package)
     try:
         tree = ast.parse((package / "setup.py").read_text(encoding="utf-8", errors="replace"))

@@ -36,11 +36,7 @@ _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its na
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
-    "buoyancy": "the twin has no water and no air",
-    "lift": "the twin has no water and no air",
-    "hydrodynamics": "the twin has no water and no air",
-    "wind": "the twin has no water and no air",
-    "thruster": "the twin has no water and no air",
+    **dict.fromkeys(("buoyancy", "lift", "hydrodynamics", "wind", "thruster"), "the twin has no water and no air"),
     "battery": "the twin has no batteries",
 }
 

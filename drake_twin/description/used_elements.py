@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from lxml import etree
 
@@ -26,21 +25,12 @@ class Part:
     names: frozenset[str] | None = None
 
 
-def _part(attributes: str = "", texts: str = "", names: str | None = None, **children: Part) -> Part:
-    """Return a part with attributes, with elements that are read as text, and with other elements."""
-    every = {**dict.fromkeys(texts.split(), Part()), **children}
-    return Part(frozenset(attributes.split()), every, None if names is None else frozenset(names.split()))
+def _part(attributes: str = "", texts: str = "", values: str = "", names: str | None = None, **children: Part) -> Part:
+    """Return a part: its attributes, its elements with a text, those with a ``value`` or a text, and the others."""
+    every = dict.fromkeys(texts.split(), Part()) | dict.fromkeys(values.split(), Part(frozenset(["value"])))
+    return Part(frozenset(attributes.split()), every | children, None if names is None else frozenset(names.split()))
 
 
-# Of <gazebo>: their text, or Gazebo classic's value="…". The last two ask that fixed joints are not lumped together,
-# which the twin never does.
-_TEXT_OR_VALUE: dict[str, Any] = dict.fromkeys(
-    (
-        *("mu1", "mu2", "selfCollide", "self_collide", "static", "gravity", "turnGravityOff"),
-        *("preserveFixedJoint", "disableFixedJointLumping"),
-    ),
-    _part("value"),
-)
 _ORIGIN = _part("xyz rpy")
 _GEOMETRY = _part(
     box=_part("size"),
@@ -90,12 +80,13 @@ URDF = _part(
         ),
         gpio=_part("name", command_interface=_GPIO_INTERFACE, state_interface=_GPIO_INTERFACE),
     ),
+    # The last two ask that fixed joints are not lumped together, which the twin never does.
     gazebo=_part(
         "reference",
         "material",
+        "mu1 mu2 selfCollide self_collide static gravity turnGravityOff preserveFixedJoint disableFixedJointLumping",
         collision=_part(surface=_SURFACE),
         visual=_part(material=_part(texts="diffuse ambient")),
-        **_TEXT_OR_VALUE,
     ),
 )
 

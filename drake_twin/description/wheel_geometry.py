@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drake_twin.description.robot_description import Pose, RobotDescription, Vector3
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.xml_reader import XmlReader
 
 
@@ -15,7 +15,8 @@ def link_poses(description: RobotDescription) -> dict[str, np.ndarray]:
     while waiting:
         placed = [joint for joint in waiting if joint.parent in poses]
         for joint in placed:
-            poses[joint.child] = poses[joint.parent] @ _matrix(joint.origin) @ _matrix(joint.child_origin)
+            origin, child_origin = (pose.transform().GetAsMatrix4() for pose in (joint.origin, joint.child_origin))
+            poses[joint.child] = poses[joint.parent] @ origin @ child_origin
         waiting = [joint for joint in waiting if joint not in placed] if placed else []
     return poses
 
@@ -36,22 +37,3 @@ def wheel_radius(description: RobotDescription, joint: str) -> float | None:
                 if shape.tag in ("cylinder", "sphere") and radius:
                     return float(radius)
     return None
-
-
-def rotation(rpy: Vector3) -> np.ndarray:
-    """Return the 3×3 matrix of roll, pitch and yaw (rad)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def _matrix(pose: Pose) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation(pose.rpy)
-    matrix[:3, 3] = pose.xyz
-    return matrix

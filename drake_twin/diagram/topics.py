@@ -125,13 +125,10 @@ class Topics:
         """Return the published topics of the built diagram."""
         return {name: replace(item, port=diagram.GetOutputPort(name[1:])) for name, item in self.published.items()}
 
-    def commanded_of(self, diagram: Diagram) -> dict[str, CommandTopic]:
-        """Return the topics of the built diagram that controllers subscribe to."""
-        return {name: replace(item, port=diagram.GetInputPort(name[1:])) for name, item in self.subscribed.items()}
-
-    def actions_of(self, diagram: Diagram) -> dict[str, CommandTopic]:
-        """Return the actions of the built diagram."""
-        return {name: replace(item, port=diagram.GetInputPort(name[1:])) for name, item in self.actions.items()}
+    def listened_of(self, diagram: Diagram, *, actions: bool = False) -> dict[str, CommandTopic]:
+        """Return the topics of the built diagram that controllers subscribe to, or its actions."""
+        known = self.actions if actions else self.subscribed
+        return {name: replace(item, port=diagram.GetInputPort(name[1:])) for name, item in known.items()}
 
 
 def ports_by_topic(ports: Mapping[str, PublishedTopic] | Mapping[str, CommandTopic]) -> dict[str, tuple[str, ...]]:

@@ -150,7 +150,7 @@ def message_class(name: str) -> type[Message]:
         "__ros_fields__": fields,
         "_fields_and_field_types": {own: field.type_text for own, field in fields.items()},
     }
-    content |= {constant: _constant(kind, value) for constant, kind, value in constants}
+    content |= {constant: bytes((value,)) if kind == "byte" else value for constant, kind, value in constants}
     content |= {f"{own.upper()}__DEFAULT": fields[own].default() for own in defaults}
     content |= {own: property(attrgetter(field.slot), _setter(field)) for own, field in fields.items()}
     return cast("type[Message]", _Sealed(name.rpartition("/")[2], (Message,), content))
@@ -240,10 +240,6 @@ def _element(description: Any) -> Element:
         return _submessage(details)
     kind, limit = details
     return string(limit) if kind == "string" else _ELEMENTS[kind]
-
-
-def _constant(kind: str, value: Any) -> Any:
-    return bytes((value,)) if kind == "byte" else value
 
 
 _ELEMENTS: dict[str, Element] = {

@@ -3,6 +3,8 @@
 import logging
 import sys
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from functools import cache
 from math import inf
 from pathlib import Path
 
@@ -64,7 +66,7 @@ class Nodes:
         self._turns.outsider, self._turns.newcomer = self._use_inbox, self._look_soon
         self._uses_inbox = False
         self._turns.set_time(twin.time, twin.clock.time_step)
-        self._folder_of = _FolderOf(packages, [each.file for each in found])
+        self._folder_of = _folder_of(packages, [each.file for each in found])
         sources = (stand_in, Interfaces(self._folder_of).source, PackageFolders(self._folder_of).source)
         self._finder = NodeFinder(sources, self._folder_of)
         self._is_open = False
@@ -232,23 +234,17 @@ def find_program(node: NodeProgram, packages: PackageIndex) -> PythonProgram:
     return known[node.executable]
 
 
-class _FolderOf:
-    """Finds the folders of ROS packages, near the programs, too."""
+def _folder_of(packages: PackageIndex, files: Sequence[Path]) -> Callable[[str], Path | None]:
+    """Return what finds the folders of ROS packages, near the programs, too."""
 
-    def __init__(self, packages: PackageIndex, files: Iterable[Path]):
-        self._packages, self._files = packages, tuple(files)
-        self._known: dict[str, Path | None] = {}
+    @cache
+    def folder_of(name: str) -> Path | None:
+        for file in files:
+            with suppress(MissingPackageError):
+                return packages.find(name, file)
+        return None
 
-    def __call__(self, name: str) -> Path | None:
-        if name not in self._known:
-            self._known[name] = None
-            for file in self._files:
-                try:
-                    self._known[name] = self._packages.find(name, file)
-                    break
-                except MissingPackageError:
-                    continue
-        return self._known[name]
+    return folder_of
 
 
 def _where(task: Task) -> str:

@@ -41,21 +41,15 @@ def world_of_gz_args(gz_args: str, arguments: Mapping[str, str] | None = None) -
         words = shlex.split(gz_args)
     except ValueError as error:
         raise InputError(f"gz_args is {gz_args!r}, which cannot be split into words ({error})") from None
-    world, running, server, window, verbosity = None, False, False, False, 1
+    world, running, server, window = None, False, False, False
     position = 0
     while position < len(words):
         word = words[position]
-        name, equals, value = word.partition("=")
+        name, equals, _ = word.partition("=")
         position += 1
-        if name in ("-v", "--verbose"):
-            follows = value if equals else (words[position] if position < len(words) else "")
-            if follows.isdigit():
-                verbosity = int(follows)
-                position += 0 if equals else 1
-            else:
-                verbosity = 3  # as gz takes a bare -v
-        elif name[:2] == "-v" and name[2:].isdigit():
-            verbosity = int(name[2:])
+        if name in ("-v", "--verbose"):  # a number may follow
+            follows = words[position] if position < len(words) and not equals else ""
+            position += 1 if follows.isdigit() else 0
         elif name in _OPTIONS_WITH_VALUE:
             position += 0 if equals else 1
         elif name.startswith("--"):
@@ -69,8 +63,6 @@ def world_of_gz_args(gz_args: str, arguments: Mapping[str, str] | None = None) -
         "gz",
         world,
         paused=not running,
-        verbosity=verbosity,
-        server_only=server,
         window_only=window and not server,
         arguments=dict(arguments or {}),
     )
@@ -96,7 +88,7 @@ def _gz_sim(arguments: Mapping[str, str], base: LaunchedProcess) -> list[Launche
 
 def _gz_server(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
     world = arguments.get("world_sdf_file") or arguments.get("world_sdf_string") or None
-    return [_world(base, WorldStart("gz", world, server_only=True, arguments=dict(arguments)))]
+    return [_world(base, WorldStart("gz", world, arguments=dict(arguments)))]
 
 
 def _ros_gz_sim(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
@@ -152,8 +144,6 @@ def _classic(arguments: Mapping[str, str], base: LaunchedProcess) -> list[Launch
         "classic",
         arguments.get("world") or None,
         paused=_says_true(arguments.get("pause", "")),
-        verbosity=4 if _says_true(arguments.get("verbose", "")) else 1,
-        server_only=not _says_true(arguments.get("gui", "true")),
         arguments=dict(arguments),
     )
     return [_world(base, world)] if _says_true(arguments.get("server", "true")) else []

@@ -18,7 +18,7 @@ from drake_twin.ros2.launch.events.shutdown import Shutdown
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch_files import enter_file, load_launch_file
-from drake_twin.ros2.launched import LaunchArgument, Launched, LostArgument, UnfiredHandler
+from drake_twin.ros2.launched import LaunchArgument, Launched, Noted, UnfiredHandler
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.ros_modules import ros_in_place
 from drake_twin.ros2.show_arguments import collect_arguments
@@ -97,16 +97,16 @@ def _closest(name: str, context: LaunchContext) -> str:
     return next(iter(get_close_matches(name, sorted(context.declared), n=1)), "")
 
 
-def _lost_arguments(context: LaunchContext) -> Iterator[LostArgument]:
+def _lost_arguments(context: LaunchContext) -> Iterator[Noted]:
     """Yield the arguments of includes that ROS 2 takes in silence, and nothing uses."""
     for include in dict.fromkeys(context.includes):
         for name, count in Counter(include.arguments).items():
             what = f"argument {name} of include {PurePath(include.file).name}"
             if name not in context.declared | context.read:
                 hint = f". Did you mean {close!r}?" if (close := _closest(name, context)) else ""
-                yield LostArgument(f"{what} (no file declares or reads it){hint}", include.place)
+                yield Noted(f"{what} (no file declares or reads it){hint}", include.place)
             if count > 1:
-                yield LostArgument(f"{what} (it is given again, and the last value counts)", include.place)
+                yield Noted(f"{what} (it is given again, and the last value counts)", include.place)
 
 
 def declared_arguments(

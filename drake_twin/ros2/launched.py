@@ -39,8 +39,6 @@ class WorldStart:
         simulator: ``gz`` or ``classic``.
         world: The world's file or name, as given; None for the simulator's own empty world.
         paused: Whether simulation time stands still at the start (gz without ``-r``, classic with ``pause``).
-        verbosity: 0 (errors only) to 4.
-        server_only: Whether it has no window.
         window_only: Whether it is a window on another simulator.
         arguments: The launch file's arguments; empty for a command line.
     """
@@ -48,8 +46,6 @@ class WorldStart:
     simulator: Literal["gz", "classic"]
     world: str | None = None
     paused: bool = False
-    verbosity: int = 1
-    server_only: bool = False
     window_only: bool = False
     arguments: Mapping[str, str] = field(default_factory=dict)
 
@@ -141,8 +137,8 @@ class UnfiredHandler:
 
 
 @dataclass(frozen=True)
-class RefusedByRos:
-    """What ROS 2 ends with an error for and the twin does not: in words, and where it was written."""
+class Noted:
+    """Something in a launch file: what, in words, and where it was written."""
 
     what: str
     place: Place
@@ -177,14 +173,6 @@ class Included:
 
 
 @dataclass(frozen=True)
-class LostArgument:
-    """An argument of an include that has no effect: which and why, in words, and where the include was written."""
-
-    what: str
-    place: Place
-
-
-@dataclass(frozen=True)
 class Launched:
     """All that a launch file starts, and what was noted while it was evaluated.
 
@@ -206,9 +194,9 @@ class Launched:
     absent_packages: tuple[str, ...] = ()
     unfired_handlers: tuple[UnfiredHandler, ...] = ()
     undeclared_arguments: Mapping[str, str] = field(default_factory=dict)
-    lost_arguments: tuple[LostArgument, ...] = ()
+    lost_arguments: tuple[Noted, ...] = ()
     log: tuple[str, ...] = ()
-    refused_by_ros: tuple[RefusedByRos, ...] = ()
+    refused_by_ros: tuple[Noted, ...] = ()
     configurations: Mapping[str, str] = field(default_factory=dict)
     shutdown: str | None = None
 

@@ -51,17 +51,14 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     log_levels: list[tuple[str, str]] = []
     names: dict[str, str] = {}
     ros = False
-    position = 0
-    while position < len(words):
-        word = words[position]
-        position += 1
+    rest = iter(words)
+    for word in rest:
         if word == "--ros-args" or (ros and word == "--"):
             ros = word == "--ros-args"
         elif not ros:
             own.append(word)
         elif word in ("-r", "--remap", "-p", "--param", "--params-file", "--log-level", "-e", "--enclave"):
-            value = words[position] if position < len(words) else ""
-            position += 1
+            value = next(rest, "")
             source, _, target = value.partition(":=")
             if word in ("-r", "--remap") and source in ("__ns", "__node", "__name"):
                 names["namespace" if source == "__ns" else "name"] = target

@@ -51,11 +51,9 @@ def every_entity(entity: Any, *, conditional: bool = True) -> Iterator[Any]:
 def _entities(returned: Any) -> Iterable[Any]:
     if returned is None:
         return ()
-    if callable(getattr(returned, "visit", None)):
-        return (returned,)
-    if isinstance(returned, Iterable) and not isinstance(returned, str):
+    if isinstance(returned, Iterable) and not (isinstance(returned, str) or callable(getattr(returned, "visit", None))):
         return returned
-    return (returned,)  # visiting it raises an error that shows it
+    return (returned,)  # of something else, visiting it raises an error that shows it
 
 
 def _shown(value: object) -> str:

@@ -19,7 +19,7 @@ from drake_twin.sensors.cameras.picture import COLOR, DEPTH, LABEL, View
 from drake_twin.sensors.cameras.picture_messages import camera_info, cloud, color_image, depth_image, image
 from drake_twin.sensors.cameras.settings import ROS_1, CameraSettings, read_camera
 from drake_twin.sensors.classic import classic_frame, classic_topic
-from drake_twin.sensors.noise import Noise, NoiseChannel
+from drake_twin.sensors.noise import NoiseChannel
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
@@ -98,12 +98,6 @@ class AnyCamera(SensorSystem):
             plugin = SensorElement(sensor).part("plugin")
             own = "" if plugin is None else plugin.text("frameName")
         return own or classic_frame(sensor, scoped)
-
-    @classmethod
-    def noises(cls, settings: CameraSettings) -> dict[str, Noise]:
-        """Return the noise of the depths of a depth camera, of the color of another one."""
-        is_of_depth = cls.measures_depth and not settings.plugin
-        return {DEPTH if is_of_depth else COLOR: settings.noise}
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import BasicVector, Context, InputPort
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
@@ -112,9 +112,7 @@ class ForceTorqueSensor(SensorSystem):
         self._R_CJ = R_CJ.matrix()
         self._R_AJ = {"child": R_CJ, "parent": R_CJ, "sensor": pose.rotation().inverse()}[settings.axes].matrix()
         self._forces = self.declare_plant_input("reaction_forces")
-        self._poses: InputPort | None = None
-        if settings.axes == "parent":
-            self._poses = self.declare_plant_input("body_poses")
+        self._poses = self.declare_plant_input("body_poses") if settings.axes == "parent" else None
         self._wrench = self.declare_values_output(len(_CHANNELS), self._calc_wrench)
         self.declare_message_output(self._calc_message)
 

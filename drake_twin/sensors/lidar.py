@@ -50,14 +50,14 @@ class LidarSettings:
 
     Attributes:
         grid: Its rays and ranges.
-        noise: Its noise (m).
+        noises: The noise of its ``range`` (m).
         sees_collision_shapes: Whether it sees collision shapes; visual shapes otherwise.
         output: What the plugin of Gazebo classic publishes; empty for a lidar of Gazebo, which has a scan and points.
         radiation: The ``radiation_type`` of a ``Range``.
     """
 
     grid: ScanGrid
-    noise: Noise
+    noises: dict[str, Noise]
     sees_collision_shapes: bool
     output: str
     radiation: int
@@ -110,8 +110,8 @@ class Lidar(SensorSystem):
             else:
                 output = plugin.choice("output_type", _OUTPUTS)
                 radiation = 1 - _RADIATIONS.index(plugin.choice("radiation_type", _RADIATIONS))
-        noise = read_noise(part)
-        return LidarSettings(grid, noise, element.sensor.kind in ("ray", "lidar"), output, radiation)
+        noises = {"range": read_noise(part)}
+        return LidarSettings(grid, noises, element.sensor.kind in ("ray", "lidar"), output, radiation)
 
     @classmethod
     def problem(cls, settings: LidarSettings) -> str | None:
@@ -138,11 +138,6 @@ class Lidar(SensorSystem):
         if classic_plugin(sensor, *_ROS_1) is not None:
             return SensorElement(sensor).text("plugin/frameName", default="world").lstrip("/")
         return classic_frame(sensor, scoped)
-
-    @classmethod
-    def noises(cls, settings: LidarSettings) -> dict[str, Noise]:
-        """Return the noise of the ranges."""
-        return {"range": settings.noise}
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

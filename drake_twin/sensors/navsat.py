@@ -118,11 +118,9 @@ class NavSat(SensorSystem):
         """Return its topic: ``~/out`` and ``~/vel`` of Gazebo classic's plugin."""
         plugin = classic_plugin(sensor, "gazebo_ros_gps_sensor")
         if plugin is None:
-            return (SensorTopic("message", cls.message_type, base),)
-        velocity = SensorTopic(
-            "velocity", "geometry_msgs/msg/Vector3Stamped", classic_topic(plugin, "~/vel"), is_ros=True
-        )
-        return (SensorTopic("message", cls.message_type, classic_topic(plugin, "~/out"), is_ros=True), velocity)
+            return super().topics(sensor, settings, base)
+        named = (("message", cls.message_type, "~/out"), ("velocity", "geometry_msgs/msg/Vector3Stamped", "~/vel"))
+        return tuple(SensorTopic(own, kind, classic_topic(plugin, name), is_ros=True) for own, kind, name in named)
 
     def __init__(self, setup: SensorSetup):
         super().__init__(setup)

@@ -66,12 +66,6 @@ def laser_scan(header: Any, grid: ScanGrid, ranges: np.ndarray) -> Any:
     )
 
 
-def points(grid: ScanGrid, directions: np.ndarray, ranges: np.ndarray) -> np.ndarray:
-    """Return the points that rays met (m), one a row; infinite where they met nothing."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray((ranges[:, np.newaxis] * directions).astype(np.float32))
-
-
 def point_cloud2(header: Any, grid: ScanGrid, directions: np.ndarray, ranges: np.ndarray) -> Any:
     """Return all rows as a ``PointCloud2``: x, y, z, intensity, ring (gz-sensors, src/GpuLidarSensor.cc).
 
@@ -80,7 +74,9 @@ def point_cloud2(header: Any, grid: ScanGrid, directions: np.ndarray, ranges: np
     names, kinds = ("x", "y", "z", "intensity", "ring"), (*["<f4"] * 4, "<u2")
     layout = np.dtype({"names": names, "formats": kinds, "offsets": (0, 4, 8, 16, 24), "itemsize": 32})
     data = np.zeros((grid.rows, grid.samples), dtype=layout)
-    for name, values in zip("xyz", points(grid, directions, ranges).T, strict=True):
+    with np.errstate(invalid="ignore"):  # infinite where rays met nothing
+        points = (ranges[:, np.newaxis] * directions).astype(np.float32)
+    for name, values in zip("xyz", points.T, strict=True):
         data[name] = values.reshape(data.shape)
     data["ring"] = np.arange(grid.rows)[:, np.newaxis]
     return cloud_message(header, data, is_dense=bool(np.isfinite(ranges).all()))

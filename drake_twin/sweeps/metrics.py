@@ -6,10 +6,9 @@ to numbers. A condition is one of `CONDITIONS`, or a function of a file that is 
 """
 
 import hashlib
-import importlib.util
 import inspect
-import itertools
 import re
+import runpy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,8 +31,6 @@ _ODOMETRY = "nav_msgs/msg/Odometry"
 _TRACKING = "control_msgs/msg/JointTrajectoryControllerState"
 
 _NAME = re.compile(r"[\w.-]+")  # of a column
-
-_module_numbers = itertools.count()
 
 
 @dataclass(frozen=True)
@@ -252,16 +249,14 @@ def _function(option: str, file: str, name: str) -> Callable[..., Any]:
     """
     if not Path(file).is_file():
         raise InputError(f"{option}: the file does not exist", file=file)
-    spec = importlib.util.spec_from_file_location(f"_metrics_of_sweep_{next(_module_numbers)}", file)
-    if spec is None or spec.loader is None:
+    if Path(file).suffix != ".py":
         raise InputError(f"{option}: this is not a Python file", file=file)
-    module = importlib.util.module_from_spec(spec)
     try:
-        spec.loader.exec_module(module)
+        module = runpy.run_path(file, run_name="_metrics_of_sweep")
     except (Exception, SystemExit) as error:
         raise InputError(f"{option}: the file cannot be imported ({described(error)})", file=file) from None
-    own = [key for key, item in vars(module).items() if inspect.isfunction(item) and not key.startswith("_")]
-    found = getattr(module, name, None)
+    own = [key for key, item in module.items() if inspect.isfunction(item) and not key.startswith("_")]
+    found = module.get(name)
     if not callable(found):
         raise InputError(f"{option}: the file has no function {name!r}", file=file, value=name, valid=own)
     return found  # type: ignore[no-any-return]

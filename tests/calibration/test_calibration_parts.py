@@ -103,6 +103,16 @@ def test_errors_are_those_of_linear_least_squares():
     assert not found.unknown.any()
 
 
+def test_a_value_without_an_effect_is_unknown():
+    own = evaluations(
+        lambda times, slope, idle: slope * times, (0.3, 0.5), (Fitted("a", -1.0, 1.0), Fitted("b", 0.0, 1.0))
+    )
+    found = certainty(own, search(own, "auto", None))
+    assert found.unknown.tolist() == [False, True]
+    assert found.errors[0] < 0.01
+    assert found.errors[1] == pytest.approx(12**-0.5, rel=0.05)  # of a value of which only the range is known
+
+
 def test_two_places_that_fit_equally_well_are_found():
     def bump(times, width):
         return np.sin(3 * times) * (np.cos(2 * np.pi * width) + 0.1)

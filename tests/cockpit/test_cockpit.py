@@ -101,6 +101,13 @@ def test_run_to_pauses_at_that_step_and_no_other(page, time):
     page.frames(until=lambda: page.twin.time > 2.5 * time)  # it holds once
 
 
+def test_a_page_that_is_closed_pauses_nothing_any_more(page):
+    page.ask(protocol.RunTo(0.1), protocol.Play())
+    page.cockpit.close()
+    page.twin.advance_to(0.2)
+    assert not page.twin.clock.paused
+
+
 def test_the_last_run_to_counts(page):
     page.ask(protocol.RunTo(0.1), protocol.RunTo(0.3))
     page.frames(until=lambda: page.twin.clock.paused)

@@ -132,3 +132,15 @@ def test_contact_arrows_carry_the_robots_and_crates_that_stand(tmp_path):
     plant = twin.plant
     weight = 9.81 * plant.CalcTotalMass(plant.GetMyContextFromRoot(twin.context))
     assert force == pytest.approx([0, 0, weight], abs=0.01 * weight)
+
+
+def test_a_frames_axes_point_away_from_its_origin_along_x_y_and_z(twin):
+    drawn = Drawn()
+    OVERLAY_KINDS["frames"].type(drawn, twin).draw()
+    for axis in range(3):
+        path = f"{OVERLAYS}/frames/0/{axis}"
+        shape, pose, away = drawn.objects[path], drawn.transforms[path], np.eye(3)[axis]
+        assert pose.rotation().matrix()[:, 2] == pytest.approx(away)  # a cylinder is about its z
+        assert pose.translation() == pytest.approx(shape.length() / 2 * away)
+        (color,) = drawn.colors[path]
+        assert max((color.r(), color.g(), color.b())) == (color.r(), color.g(), color.b())[axis]

@@ -9,6 +9,7 @@ import urllib.request
 
 import pytest
 from aiohttp import ClientSession, WSMsgType, WSServerHandshakeError
+from pydrake.geometry import Rgba, Sphere
 
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.scene import Scene
@@ -116,6 +117,31 @@ def test_a_web_socket_from_elsewhere_is_refused(server, headers):
         talk(server, lambda web_socket: web_socket.send_str('{"do": "Play"}'), **headers)
     assert refusal.value.status == 403
     assert server.requests() == []
+
+
+def test_a_browser_is_sent_the_scene_and_what_changes_in_it():
+    scene = Scene()
+    server = PageServer(bind(None, "127.0.0.1"), "127.0.0.1", scene)
+    scene.set_object("/first", Sphere(1.0), Rgba(1, 0, 0))
+
+    async def watch():
+        headers = {"Origin": f"http://127.0.0.1:{server.access.port}"}
+        async with (
+            ClientSession() as session,
+            session.ws_connect(f"{server.url}scene/socket", headers=headers) as web_socket,
+        ):
+            heard = (await web_socket.receive(10.0)).data
+            while b"first" not in heard:
+                heard += (await web_socket.receive(10.0)).data
+            scene.set_object("/second", Sphere(1.0), Rgba(0, 1, 0))
+            while b"second" not in heard:
+                heard += (await web_socket.receive(10.0)).data
+        return heard
+
+    try:
+        assert b"second" in asyncio.run(watch())
+    finally:
+        server.close()
 
 
 def test_no_page_may_put_this_one_into_a_frame(server):

@@ -275,6 +275,10 @@ def test_frames_are_those_of_tf(twin):
     assert base["xyz"] == pytest.approx(twin.entities.state("robot_1").position, abs=1e-3)
     assert frames["robot_1_rear_left_wheel"]["parent"] == "robot_1_base_link"
     assert not base["static"]
+    for version in range(1, 4):  # the page asks again and again, while the twin is paused
+        look(panel, version, frames=True)
+        shown = [found for found in (panel.state()["frames"] for _ in range(10)) if found is not None]
+        assert {item["frame"] for item in shown[-1]} == set(frames)
 
 
 def test_the_diagram_is_drawn_beside_the_simulation(twin):

@@ -116,3 +116,24 @@ def test_an_unknown_parameter_of_several_controllers_is_one_line(tmp_path):
     twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
     what = "warning: arm: controller one, controller other: unknown parameter 'speed': it is ignored (c.yaml:2, 3)"
     assert most_telling(twin.findings) == [what]
+
+
+WHEEL = """<robot name="r"><link name="world"/><link name="base"/><link name="wheel"><inertial><mass value="1"/>
+  <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="fix" type="fixed"><parent link="world"/><child link="base"/></joint>
+  <joint name="j" type="continuous"><parent link="base"/><child link="wheel"/><axis xyz="0 0 1"/>
+  <limit effort="50" velocity="9"/></joint><ros2_control name="s" type="system"><hardware>
+  <plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware><joint name="j"><command_interface name="velocity"/>
+  </joint></ros2_control></robot>"""
+
+
+@pytest.mark.parametrize("engine", ["discrete", "cenic"])
+def test_a_commanded_velocity_is_the_joints_in_each_engine(tmp_path, engine):
+    (tmp_path / "r.urdf").write_text(WHEEL)
+    twin = TwinBuilder(engine=engine).robot("r", tmp_path / "r.urdf").build()
+    twin.publish("/r/forward_velocity_controller/commands", [1.5])
+    twin.advance_to(0.5)
+    before = twin.robot_state("r").positions[0]
+    twin.advance_to(0.7)
+    assert twin.robot_state("r").velocities[0] == pytest.approx(1.5, rel=1e-3)
+    assert twin.robot_state("r").positions[0] - before == pytest.approx(0.3, rel=1e-3)

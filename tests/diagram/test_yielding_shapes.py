@@ -99,7 +99,12 @@ def check_surface(text, hull):
 
 @pytest.mark.parametrize(
     ("size", "least", "most"),
-    [((0.018, 0.015, 0.018), 96, 200), ((0.02, 0.03, 100.0), 64, 2000), ((0.1, 0.1, 1e-4), 32, 200)],
+    [
+        ((0.018, 0.015, 0.018), 96, 200),
+        ((0.02, 0.03, 100.0), 64, 2000),
+        ((0.1, 0.1, 1e-4), 32, 200),
+        ((6e-6, 1e-3, 1e-3), 40, 80),  # halves of its sides' triangles have 1.5e-9 m², which Drake can still use
+    ],
 )
 def test_the_sides_of_a_hard_box_are_divided(size, least, most):
     text = _fine_surface(*_box_surface(np.array(size)))

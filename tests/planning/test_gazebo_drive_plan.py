@@ -306,3 +306,21 @@ def test_a_joint_that_a_plugin_commands_has_its_motion_and_what_ros2_control_giv
     interfaces = {name: [item.name for item in joints[name].state_interfaces] for name in ("left", "right")}
     assert interfaces == {"left": ["position"], "right": ["position", "velocity"]}
     assert [item.name for item in joints["left"].command_interfaces] == ["velocity"]
+
+
+def test_where_a_bridge_has_stamped_twists_the_drive_listens_to_them(tmp_path):
+    wheels = WHEEL.format(name="left", y=0.2) + WHEEL.format(name="right", y=-0.2)
+    plugin = """<gazebo><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
+        <left_joint>left</left_joint><right_joint>right</right_joint><wheel_separation>0.4</wheel_separation>
+        <wheel_radius>0.1</wheel_radius></plugin></gazebo>"""
+    (tmp_path / "cart.urdf").write_text(CART.format(wheels=wheels, more=plugin))
+    for stamped, own in (
+        (["/model/cart/cmd_vel"], "cmd_vel"),
+        ([], "cmd_vel_unstamped"),
+        (["/x"], "cmd_vel_unstamped"),
+    ):
+        plan = plan_robot(Robot("cart", str(tmp_path / "cart.urdf"), stamped_topics=tuple(stamped)), PackageIndex())
+        (drive,) = plan.controllers
+        for topics in (drive.wiring.topics, drive.wiring.gz_topics):
+            assert [name for name in topics if name.startswith("cmd_vel")] == [own]
+        assert drive.parameters.use_stamped_vel == (own == "cmd_vel")

@@ -234,30 +234,3 @@ def test_the_ros2_control_plugin_renames_topics_of_all_controllers(cart):
 def test_a_missing_robot_file_is_said_at_its_place_in_the_scenario():
     with pytest.raises(ScenarioError, match=r"robots\.0\.model: /nowhere/a\.urdf: the file does not exist"):
         plan_robot(Robot("a", "/nowhere/a.urdf"), PACKAGES, ("robots", 0))
-
-
-def test_a_prefix_of_the_xacro_file_is_found_in_a_parameters_file_without_it(tmp_path):
-    (tmp_path / "cart.urdf.xacro").write_text(
-        TWO_WHEELS.format(right="velocity")
-        .replace(
-            '<robot name="cart">',
-            '<robot name="cart" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="prefix" default=""/>',
-        )
-        .replace("left_joint", "$(arg prefix)left_joint")
-    )
-    (tmp_path / "controllers.yaml").write_text(CONTROLLERS)
-    robot = Robot(
-        "cart",
-        str(tmp_path / "cart.urdf.xacro"),
-        xacro_args={"prefix": "cart_"},
-        controllers=(str(tmp_path / "controllers.yaml"),),
-    )
-    assert claims(plan_robot(robot, PACKAGES).controllers[0]) == ["cart_left_joint/velocity"]
-
-
-def test_a_parameters_file_that_is_gone_is_refused_with_the_line_of_the_plugin_that_names_it(tmp_path):
-    file = tmp_path / "r.urdf"
-    plugin = '<plugin filename="gz_ros2_control-system" name="c"><parameters>/gone/c.yaml</parameters></plugin>'
-    file.write_text(f'<robot name="r"><link name="l"/>\n<gazebo>\n{plugin}</gazebo></robot>')
-    with pytest.raises(InputError, match=rf"^{file}:3: the ros2_control plugin's parameters file: /gone/c.yaml"):
-        plan_robot(Robot("r", str(file)), PackageIndex((), {}))

@@ -14,18 +14,18 @@ def world(folder, package, launch_file, **arguments):
 @pytest.mark.parametrize(
     ("gz_args", "expected"),
     [
-        ("", (None, True, 1, False)),
-        ("empty.sdf", ("empty.sdf", True, 1, False)),
-        (" -v 4 -r empty.sdf ", ("empty.sdf", False, 4, False)),
-        ("-r -s -v4 /a/b.sdf", ("/a/b.sdf", False, 4, True)),
-        ("-rs w.sdf --physics-engine x", ("w.sdf", False, 1, True)),
-        ("-v -r w.sdf", ("w.sdf", False, 3, False)),
-        ("-r --verbose=2 -z 100 w.sdf --headless-rendering", ("w.sdf", False, 2, True)),
+        ("", (None, True)),
+        ("empty.sdf", ("empty.sdf", True)),
+        (" -v 4 -r empty.sdf ", ("empty.sdf", False)),
+        ("-r -s -v4 /a/b.sdf", ("/a/b.sdf", False)),
+        ("-rs w.sdf --physics-engine x", ("w.sdf", False)),
+        ("-v -r w.sdf", ("w.sdf", False)),
+        ("-r --verbose=2 -z 100 w.sdf --headless-rendering", ("w.sdf", False)),
     ],
 )
 def test_what_gz_is_asked_for(gz_args, expected):
     start = world_of_gz_args(gz_args)
-    assert (start.world, start.paused, start.verbosity, start.server_only) == expected
+    assert (start.world, start.paused) == expected
 
 
 @pytest.mark.parametrize(
@@ -44,8 +44,7 @@ def test_including_classic_gazebo_starts_a_world(tmp_path):
         tmp_path, "gazebo_ros", "gazebo.launch.py", world="/w.world", pause="true", gui="false", verbose="true"
     )
     start = process.world
-    assert (start.simulator, start.world, start.paused, start.verbosity) == ("classic", "/w.world", True, 4)
-    assert start.server_only
+    assert (start.simulator, start.world, start.paused) == ("classic", "/w.world", True)
     assert world(tmp_path, "gazebo_ros", "gzserver.launch.py").world.world is None
 
 

@@ -10,17 +10,17 @@ import umsgpack
 import zmq
 
 
-def free_address():
+def free_address(host="127.0.0.1"):
     with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp://127.0.0.1:{probe.getsockname()[1]}"
+        probe.bind((host, 0))
+        return f"tcp://{host}:{probe.getsockname()[1]}"
 
 
 class MeshcatServer:
     """A server process; the first one chooses its address, and one that is started again keeps it."""
 
-    def __init__(self):
-        self.url = free_address()
+    def __init__(self, host="127.0.0.1"):
+        self.url = free_address(host)
         self.start()
 
     def start(self):

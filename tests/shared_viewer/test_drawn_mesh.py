@@ -51,6 +51,13 @@ def test_a_texture_comes_with_where_it_lies(obj, tmp_path):
     assert part.uv.tolist() == [[x, y / 2] for x, y, _ in part.vertices.tolist()]
 
 
+def test_without_places_on_a_texture_a_mesh_has_its_materials_color(obj, tmp_path):
+    Image.new("RGB", (2, 2), (0, 255, 0)).save(tmp_path / "green.png")
+    face = "usemtl m\nf 1//1 2//1 3//1\n"
+    (part,) = read_mesh(obj("newmtl m\nKd 1 0 0\nmap_Kd green.png\n", face), (1, 1, 1))
+    assert (part.color, part.texture, part.uv) == ((1.0, 0.0, 0.0, 1.0), None, None)
+
+
 def test_the_scale_is_applied_to_corners_and_normals(obj):
     (part,) = read_mesh(obj(more="vn 1 1 0\n", face="f 1//2 2//2 3//2\n"), (2, 1, 1))
     assert part.vertices[:, 0].max() == 2

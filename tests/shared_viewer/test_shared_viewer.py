@@ -125,6 +125,19 @@ def test_the_page_is_announced_and_who_can_reach_it_is_said(server, viewers, cap
     assert len(warnings(caplog, "on every interface")) == 1
 
 
+def test_the_page_of_another_machines_server_has_that_machines_name(viewers):
+    """The server calls itself 127.0.0.1 whatever its address is."""
+    server, pages = MeshcatServer("127.0.0.2"), []
+    try:
+        viewer = viewers(server.url, "a", pages.append)
+        viewer.draw(rovers(1).build())
+        assert viewer.flush(LONG)
+        assert "//127.0.0.1:" in server.page
+        assert pages == [server.page.replace("//127.0.0.1:", "//127.0.0.2:")]
+    finally:
+        server.kill()
+
+
 # --- one that is not
 
 

@@ -77,6 +77,23 @@ def test_a_geometry_stands_where_it_does_on_its_body():
 def test_a_color_and_its_opacity():
     (material,) = drawn(Box(1, 1, 1), (1.0, 0.5, 0.0, 0.25))["materials"]
     assert (material["color"], material["opacity"], material["transparent"]) == (0xFF8000, 0.25, True)
+    (material,) = drawn(Box(1, 1, 1), (0.0, 0.0, 1.0, 1.0))["materials"]
+    assert (material["color"], material["opacity"], material["transparent"]) == (0x0000FF, 1.0, False)
+
+
+def test_a_hulls_triangles_cover_each_face_once_and_look_outward():
+    """A brick of 1 m, 2 m and 3 m: 22 m² of surface, and 6 m³ by the divergence theorem."""
+    brick = np.array(np.meshgrid([-0.5, 0.5], [-1, 1], [-1.5, 1.5])).reshape(3, 8)
+    (geometry,) = drawn(Convex(points=brick, label="brick"))["geometries"]
+    data = geometry["data"]
+    at = np.frombuffer(data["attributes"]["position"]["array"].data, np.float32).reshape(-1, 3)
+    normals = np.frombuffer(data["attributes"]["normal"]["array"].data, np.float32).reshape(-1, 3)
+    faces = np.frombuffer(data["index"]["array"].data, np.uint32).reshape(-1, 3)
+    a, b, c = (at[faces[:, corner]] for corner in range(3))
+    across = np.cross(b - a, c - a) / 2
+    assert np.linalg.norm(across, axis=1).sum() == pytest.approx(22.0)
+    assert np.einsum("ij,ij->i", a, across).sum() / 3 == pytest.approx(6.0)
+    assert np.einsum("ij,ij->i", across, normals[faces[:, 0]]) == pytest.approx(np.linalg.norm(across, axis=1))
 
 
 def test_each_point_may_have_its_color():

@@ -1,8 +1,11 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from drake_twin.description.robot_description import Pose
 from drake_twin.kinematics.state_layout import StateLayout
+from drake_twin.messages.interface_types import serialize
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
 
 FLOATING = StateLayout(size=13, positions={}, velocities={}, efforts={}, base_position=0, base_velocity=7)
@@ -36,9 +39,18 @@ def test_the_twist_is_in_the_bases_own_frame():
     assert (angular.x, angular.y, angular.z) == pytest.approx((0, -0.5, 1))
 
 
+def test_a_draft_has_the_bytes_of_the_message_on_the_port():
+    base, state = RobotBase("r", "base", FLOATING), np.array(facing_y(angular=(0.5, 0, 1), linear=(0, 2, 0)))
+    draft = GroundTruthPublisher([base], 13).drafter(base)(SimpleNamespace(time=0.0, state=state))
+    expected = evaluate(base, state)
+    assert draft.serialized() == serialize(expected) == serialize(draft.message())
+
+
 def test_the_covariances_are_matrices_of_six_by_six_zeros():
     message = evaluate(RobotBase("r", "base", FLOATING), facing_y())  # float64[36] in geometry_msgs
     assert message.pose.covariance.tolist() == message.twist.covariance.tolist() == [0.0] * 36
+    with pytest.raises(ValueError, match="read-only"):  # all messages share them
+        message.pose.covariance[0] = 1.0
 
 
 def test_each_robot_has_a_port_with_its_own_place():

@@ -59,10 +59,30 @@ def test_commands_beyond_the_limits_are_clamped_to_them():
     assert efforts == [0, -4, 0]
 
 
+def test_the_first_command_of_each_interface_that_is_cut_is_logged(caplog):
+    limit = np.full((3, 3), 2.0)
+    dut = make_dut(WHEELS_AND_ARM, SIZES, -limit, limit)
+    for wheel in (5.0, 6.0, 1.0, 7.0):
+        evaluate(dut, wheels=[wheel, -3.0], arm=[0.0, 0.0, 0.0])
+    told = [record.getMessage() for record in caplog.records]
+    assert told == [
+        "actuator 0: the velocity command -3 is beyond the limit -2: it is cut to the limit",
+        "actuator 2: the velocity command 5 is beyond the limit 2: it is cut to the limit",
+    ]
+
+
 def test_a_joint_told_to_go_beyond_its_range_stops_at_its_end():
     limit = np.array([[9.0, 0.5, 9.0], [9.0] * 3, [9.0] * 3])
     desired, _ = evaluate(make_dut(WHEELS_AND_ARM, SIZES, -limit, limit), wheels=[0, 0], arm=[0.7, 0.1, 0])
     assert (desired[1], desired[4]) == (0.5, 0.0)
+
+
+def test_for_a_continuous_plant_velocities_are_positions_ahead_by_the_seconds_of_their_mode():
+    free = np.full((3, 3), np.inf)
+    seconds = {"velocity": (0.5, 0.5, 0.25), "position": (0.1, 0.1, 0.1)}
+    dut = JointServo(SIZES, WHEELS_AND_ARM, -free, free, as_position=seconds)
+    desired, _ = evaluate(dut, wheels=[5.0, 6.0], arm=[0.7, 0.1, 9.0])
+    assert desired == pytest.approx([6.0 * 0.5, 0.7 + 0.1 * 0.1, 5.0 * 0.25, 0.0, 0.0, 0.0])
 
 
 def test_an_assignment_can_change_while_the_commands_stay():
@@ -95,6 +115,8 @@ def test_an_effort_drives_its_joint_to_its_velocity_limit_with_that_effort_at_mo
     desired, efforts = evaluate(dut, force=[-3.0])
     assert (desired, efforts) == ([0.0, 0.2, -6.0, 0.0], [-3.0, 0.0])
     assert motor.effort_limit() == 3.0
+    assert evaluate(dut, force=[0.5])[0] == [0.0, 0.2, 6.0, 0.0]
+    assert motor.effort_limit() == 0.5
     desired, efforts = evaluate(dut, force=[0.0])
     assert (desired, efforts) == ([0.0, 0.2, 0.0, 0.0], [0.0, 0.0])
     assert 0 < motor.effort_limit() < 1e-9  # none to speak of; Drake's limits are above zero

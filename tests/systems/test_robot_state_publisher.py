@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from pydrake.common.value import AbstractValue
@@ -5,6 +7,7 @@ from pydrake.common.value import AbstractValue
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.kinematics.state_layout import StateLayout
+from drake_twin.messages.interface_types import serialize
 from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
 
@@ -150,3 +153,21 @@ def test_a_message_is_not_changed_by_the_next():
     before = at(dut, (0.0, 0.0, 0, 0)).transforms[1]
     after = at(dut, (0.0, 0.5, 0, 0)).transforms[1]
     assert (xyz(before), xyz(after)) == (pytest.approx([0, 0, 0]), pytest.approx([0, 0.5, 0]))
+
+
+@pytest.mark.parametrize("drives", [(), ("r/drive/tf_odometry",)])
+def test_a_draft_has_the_bytes_of_the_message_on_the_port_also_after_the_context_has_changed(drives):
+    dut = RobotStatePublisher([RobotFrames("r", DESCRIPTION, LAYOUT)], 4, odometry=drives)
+    context, state = dut.CreateDefaultContext(), np.array([0.3, 0.2, 0.0, 0.0])
+    context.SetTime(1.25)
+    dut.get_state_input_port().FixValue(context, state)
+    place = messages.Transform(messages.Vector3(1.0, 0.0, 0.0), messages.Quaternion(0.0, 0.0, 0.0, 1.0))
+    driven = messages.TransformStamped(messages.header(1.25, "odom"), "base", place)
+    for name in drives:
+        dut.GetInputPort(name).FixValue(context, AbstractValue.Make(messages.TFMessage([driven])))
+    expected = dut.get_tf_output_port().Eval(context)
+    assert children(expected) == [*["base"] * len(drives), "arm", "hand"]
+    draft = dut.tf_drafter()(SimpleNamespace(time=1.25, state=state, root_context=context))
+    context.SetTime(2.0)
+    dut.get_state_input_port().FixValue(context, [9.0] * 4)
+    assert draft.serialized() == serialize(expected) == serialize(draft.message())

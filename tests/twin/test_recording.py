@@ -291,3 +291,12 @@ def test_a_step_that_a_callback_sets_where_the_advance_ends_holds_from_there(tmp
     assert [call.name for call in twin.recorder.recording().calls] == ["send_goal", "set_time_step"]
     assert twin.clock.time_step == 0.0005
     assert replay(twin.recorder.recording()).state_sha256() == twin.state_sha256()
+
+
+def test_a_recording_has_a_snapshot_calls_and_an_end():
+    with rovers(1).build() as twin:
+        start = twin.snapshot()
+    assert Recording(start, (), 1.0).end == 1.0
+    for parts in (("start", (), 1.0), (start, ("call",), 1.0), (start, [], 1.0), (start, (), float("nan"))):
+        with pytest.raises(InputError, match="a recording has a snapshot, calls and the time of the end"):
+            Recording(*parts)

@@ -17,8 +17,10 @@ from rosbags.highlevel import AnyReader
 from wires.mcap_peer import decoded_messages
 
 from drake_twin import InputError, Robot, Twin
+from drake_twin.cli.options import parser
 from drake_twin.run import main
 from drake_twin.wires.bag_wire import BagWire
+from drake_twin.wires.kinds.bag import BagKind
 from drake_twin.wires.seam import Seam
 
 STATES = "/robot_1/joint_states"
@@ -159,3 +161,12 @@ def test_a_run_that_only_writes_a_bag_is_as_fast_as_possible(tmp_path, monkeypat
     arguments = ["--robots", "1", "--headless", "--duration", "0.1", "--bag", str(tmp_path / "bag"), *options]
     assert main(arguments) == 0
     assert runs == [expected]
+
+
+def test_a_topic_that_nobody_publishes_is_a_warning_with_those_that_are(capsys):
+    options = parser().parse_args(["--bag", "b", "--bag-topic", STATES, "--bag-topic", "/robot_1/joint_state"])
+    with rovers(1).build() as twin:
+        BagKind().connected(options, twin)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("warning: --bag-topic: nothing is published on '/robot_1/joint_state' yet")
+    assert STATES in line

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
@@ -18,12 +19,14 @@ class Client:
     def __init__(self, graph: Graph, context: Any, srv_type: Any, srv_name: str, qos_profile: Any, callback_group: Any):
         self.srv_type, self.srv_name, self.qos_profile = srv_type, srv_name, qos_profile
         self.callback_group, self.context = callback_group, context
-        self.service_name = srv_name
+        self._service_name = srv_name
         self._graph = graph
         self._type = message_classes.type_name(srv_type)
         self._answers: deque[Callable[[], None]] = deque()
         self._pending: list[Future] = []
         self._executor: Any = None
+
+    service_name = property(attrgetter("_service_name"))
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
         """Ask, and wait for the answer while another thread spins."""

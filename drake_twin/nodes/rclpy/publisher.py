@@ -1,6 +1,7 @@
 """Stand-in for ``rclpy.publisher``."""
 
 from collections import deque
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
@@ -15,13 +16,15 @@ class Publisher:
 
     def __init__(self, graph: Graph, msg_type: Any, topic: str, qos_profile: QoSProfile, node: str):
         self.msg_type, self.topic, self.qos_profile = msg_type, topic, qos_profile
-        self.topic_name = topic
+        self._topic_name = topic
         self._graph = graph
         depth = qos_profile.depth if qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL else 0
         kind, latched = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
         self._publication = Publication(topic, kind, node, depth, latched)
         graph.advertise(self._publication)
         present_task().program.belongings.append(self._publication)
+
+    topic_name = property(attrgetter("_topic_name"))
 
     def publish(self, msg: Any) -> None:
         present_task()

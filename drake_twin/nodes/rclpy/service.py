@@ -3,6 +3,7 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
@@ -26,13 +27,15 @@ class Service:
     ):
         self.srv_type, self.srv_name, self.callback = srv_type, srv_name, callback
         self.callback_group, self.qos_profile = callback_group, qos_profile
-        self.service_name = srv_name
+        self._service_name = srv_name
         self._graph = graph
         self._type = message_classes.type_name(srv_type)
         self._requests: deque[tuple[Any, Callable[[Any], None]]] = deque()
         self._offer = Offer(srv_name, self._type, node, lambda request, reply: self._requests.append((request, reply)))
         graph.offer(self._offer)
         present_task().program.belongings.append(self._offer)
+
+    service_name = property(attrgetter("_service_name"))
 
     def is_ready(self) -> bool:
         return bool(self._requests)

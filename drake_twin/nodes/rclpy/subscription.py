@@ -4,6 +4,7 @@ import inspect
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
@@ -35,7 +36,7 @@ class Subscription:
     ):
         self.msg_type, self.topic, self.callback = msg_type, topic, callback
         self.callback_group, self.qos_profile, self.raw = callback_group, qos_profile, raw
-        self.topic_name = topic
+        self._topic_name = topic
         self._graph = graph
         self._task: Task = present_task()
         self._type = message_classes.type_name(msg_type)
@@ -45,6 +46,8 @@ class Subscription:
         self._reception = Reception(topic, self._type, node, self._put, latched)
         graph.subscribe(self._reception)
         self._task.program.belongings.append(self._reception)
+
+    topic_name = property(attrgetter("_topic_name"))
 
     def _put(self, message: Any) -> None:
         self._messages.append((message, self._task.now))

@@ -14,7 +14,7 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
 from drake_twin.ros2.event_queue import EventQueue, Handler
-from drake_twin.ros2.launched import FailedInclude, Included, LaunchedProcess, ParameterText, RefusedByRos
+from drake_twin.ros2.launched import FailedInclude, Included, LaunchedProcess, Noted, ParameterText
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.scopes import Scopes, copied
 from drake_twin.ros2.text_parts import text_parts
@@ -69,7 +69,7 @@ class LaunchContext:
         self.read: set[str] = set()
         self.includes: list[Included] = []
         self.log: list[str] = []
-        self.refused: list[RefusedByRos] = []
+        self.refused: list[Noted] = []
         self.rewritten: dict[str, ParameterText] = {}
         self.files: list[tuple[str, Place | None]] = []
         self.place: Place | None = None
@@ -254,8 +254,8 @@ class LaunchContext:
             place: Where it is written; by default the place of the action that is being executed.
         """
         place = place or self.position or Place("")
-        if RefusedByRos(what, place) not in self.refused:
-            self.refused.append(RefusedByRos(what, place))
+        if (refused := Noted(what, place)) not in self.refused:
+            self.refused.append(refused)
 
     def anonymous_name(self, name: str) -> str:
         """Return a name that is used once; the same in every run."""

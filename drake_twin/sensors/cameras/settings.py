@@ -5,7 +5,8 @@ from math import inf, pi, tan
 from typing import NamedTuple
 
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.sensors.noise import SILENT, Noise, read_noise
+from drake_twin.sensors.cameras.picture import COLOR, DEPTH
+from drake_twin.sensors.noise import Noise, read_noise
 
 CLASSIC = "gazebo_ros_camera"
 # Of ROS 1, which still stand in files: a depth camera whose topics have elements of their own.
@@ -66,7 +67,7 @@ class CameraSettings:
         depth_near: The least depth (m).
         depth_far: The largest depth (m).
         encoding: Of color pictures, as in ROS.
-        noise: Of a camera's color (0 to 1), of a depth camera's depth (m).
+        noises: Of the color (0 to 1); of the depth (m) of a depth camera of Gazebo.
         delay: How long after its instant a picture is published (s); None for one period.
         info_topic: The topic of camera_info; empty for the default.
         plugin: The plugin of Gazebo classic that publishes it; empty without one.
@@ -86,7 +87,7 @@ class CameraSettings:
     depth_near: float
     depth_far: float
     encoding: str = "rgb8"
-    noise: Noise = SILENT
+    noises: dict[str, Noise] = field(default_factory=dict)
     delay: float | None = None
     info_topic: str = ""
     plugin: str = ""
@@ -164,7 +165,8 @@ def read_camera(element: SensorElement, *, is_depth: bool) -> CameraSettings:
         depth_near=depth_near,
         depth_far=depth_far,
         encoding=_ENCODINGS.get(text, "rgb8"),
-        noise=Noise(noise.mean, noise.stddev),  # gz-sensors' ImageGaussianNoiseModel has no bias
+        # gz-sensors' ImageGaussianNoiseModel has no bias
+        noises={DEPTH if is_depth and plugin is None else COLOR: Noise(noise.mean, noise.stddev)},
         delay=None if delay < 0.0 else delay,
         info_topic=part.text("camera_info_topic"),
         plugin=kind if plugin is not None else "",

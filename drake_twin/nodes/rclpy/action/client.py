@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any
 
@@ -46,9 +47,11 @@ class ClientGoalHandle:
     """A goal that a server has answered."""
 
     def __init__(self, action_client: "ActionClient", goal_id: Any, goal_response: Any, future: Future):
-        self._action_client, self.goal_id, self._goal_response = action_client, goal_id, goal_response
-        self.status = ACCEPTED if goal_response.accepted else UNKNOWN
+        self._action_client, self._goal_id, self._goal_response = action_client, goal_id, goal_response
+        self._status = ACCEPTED if goal_response.accepted else UNKNOWN
         self._future = future
+
+    goal_id, status = property(attrgetter("_goal_id")), property(attrgetter("_status"))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ClientGoalHandle) and self.goal_id == other.goal_id
@@ -113,7 +116,7 @@ class _Goal:
         kind = self._client.action_type.Result
         message = kind() if result is None else message_classes.from_wire(f"{self._client.type}_Result", result)
         if self.handle is not None:
-            self.handle.status = status
+            self.handle._status = status
         self.result_future.set_result(GetResultResponse(status, message))
 
 
@@ -209,6 +212,6 @@ def _cancel_response(code: int, handle: ClientGoalHandle) -> Any:
     response = message_class("action_msgs/srv/CancelGoal_Response")
 
     if code == NO_ERROR:
-        handle.status = CANCELING
+        handle._status = CANCELING
     goals = [goal_info(goal_id=handle.goal_id, stamp=handle.stamp)] if code == NO_ERROR else []
     return response(return_code=code, goals_canceling=goals)

@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from enum import Enum
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
@@ -50,8 +51,10 @@ class ServerGoalHandle:
     """A goal that a server has accepted."""
 
     def __init__(self, action_server: "ActionServer", key: bytes, request: Any, listener: GoalListener):
-        self._server, self._key, self.request, self._listener = action_server, key, request, listener
-        self.status = ACCEPTED
+        self._server, self._key, self._request, self._listener = action_server, key, request, listener
+        self._status = ACCEPTED
+
+    request, status = property(attrgetter("_request")), property(attrgetter("_status"))
 
     @property
     def goal_id(self) -> Any:
@@ -61,16 +64,16 @@ class ServerGoalHandle:
 
     @property
     def is_active(self) -> bool:
-        return self.status in (ACCEPTED, EXECUTING, CANCELING)
+        return self._status in (ACCEPTED, EXECUTING, CANCELING)
 
     @property
     def is_cancel_requested(self) -> bool:
         present_task()
-        return self.status == CANCELING
+        return self._status == CANCELING
 
     def execute(self, execute_callback: Callable[[Any], Any] | None = None) -> None:
         if not self.is_cancel_requested:
-            self.status = EXECUTING
+            self._status = EXECUTING
         self._server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
@@ -95,10 +98,10 @@ class ServerGoalHandle:
     def _end(self, status: int) -> None:
         if not self.is_active or (status == CANCELED and self.status != CANCELING):
             raise RuntimeError("Failed to update goal state: goal_handle attempted invalid transition")
-        self.status = status
+        self._status = status
 
     def _request_cancel(self) -> None:
-        self.status = CANCELING
+        self._status = CANCELING
 
     def _tell(self, result: Any) -> None:
         self._server.post(partial(self._listener.ended, self.status, message_classes.to_wire(result)))

@@ -1,0 +1,28 @@
+"""What the robots of the benchmarks are commanded."""
+
+import numpy as np
+import pytest
+
+from drake_twin.benchmarks.workloads import WORKLOADS
+
+
+@pytest.mark.parametrize("name", WORKLOADS)
+def test_commands_are_finite_gentle_and_the_same_for_each_count(name):
+    workload = WORKLOADS[name]
+    for time in (0.0, 0.05, 0.7, 10.0):
+        commands = np.array(workload.commands(3, time))
+        assert commands.shape == (3, 4)
+        assert np.isfinite(commands).all()
+        assert np.abs(commands).max() < 10.0
+        assert np.array_equal(workload.commands(2, time), commands[:2])
+
+
+def test_waving_arms_swing_about_zero_at_their_rates():
+    """A sine of 0.5 rad/s at 3 rad/s, whose phase is the robot's number; a whole period later it is the same."""
+    workload = WORKLOADS["arms whose commands change"]
+    period, times = 2 * np.pi / 3.0, np.linspace(0, 2 * np.pi / 3.0, 400, endpoint=False)
+    first = np.array([[workload.commands(3, time)[robot][0] for time in times] for robot in range(3)])
+    assert first.max(axis=1) == pytest.approx(0.5, abs=1e-3)
+    assert first.mean(axis=1) == pytest.approx(0.0, abs=1e-12)
+    assert [workload.commands(3, period)[robot][0] for robot in range(3)] == pytest.approx(first[:, 0])
+    assert first[:, 0] == pytest.approx(0.5 * np.sin([0, 1, 2]))
