@@ -79,6 +79,7 @@ class Stepper:
             self.refuse_inside_callback("advance")
         self._thread = get_ident()
         session, clock = self._session, self._session.clock
+        start = clock.time
         end = target * clock.time_step if time is None else time
         try:
             while clock.step < target and not self.paused:
@@ -103,6 +104,7 @@ class Stepper:
             if clock.next_time_step is not None:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:
+            session.simulated += clock.time - start
             self._thread = None
 
     def change_time_step(self) -> bool:

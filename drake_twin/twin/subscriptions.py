@@ -16,7 +16,7 @@ class Subscription:
         topic: The topic.
         callback: Called with the message.
         period: The grid's spacing (s); None for a message that never changes, which is delivered once.
-        time: The present time (s), at which the first message is delivered.
+        time: The present time (s), at which the first message is delivered, but drafts are delivered on the grid only.
         takes_drafts: Whether the callback is given drafts of the messages.
         delay: How long after its measurement a message is delivered (s); it is measured at points of the grid only.
             None for at once.
@@ -94,9 +94,10 @@ class Subscription:
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
-        """Return the last point of the grid that is not after a time; with a delay the first that is not before."""
+        """Return the last point of the grid that is not after a time; where only points count the first not before."""
         points = (time - self._offset) / self._period
-        return floor(points + 1e-9) if self.delay is None else ceil(points - 1e-9)
+        is_at_once = self.delay is None and not self.takes_drafts
+        return floor(points + 1e-9) if is_at_once else ceil(points - 1e-9)
 
 
 @dataclass

@@ -66,6 +66,18 @@ def test_the_simulation_does_not_stop_for_ticks_and_they_go_before_what_is_measu
     assert [name for _, name in order].count("/clock") == 101
 
 
+def test_who_comes_late_hears_the_stamps_that_others_hear():
+    twin, wire, seam = wired(clock_rate=100.0)
+    twin.advance_to(0.0123)
+    sent = {topic: wire.hear(topic) for topic in ("/clock", "/robot_1/joint_states", "/tf")}
+    twin.inbox.work()
+    twin.advance_to(0.102)
+    seam.close()
+    for topic, period in (("/clock", 10), ("/robot_1/joint_states", 10), ("/tf", 50)):
+        first = -(-12 // period) * period
+        assert [time for _, time in sent[topic]] == [1_000_000 * time for time in range(first, 102, period)]
+
+
 def test_who_comes_late_gets_the_time_of_a_paused_twin(monkeypatch):
     now = [100.0]
     monkeypatch.setattr("drake_twin.wires.seam.monotonic", lambda: now[0])
