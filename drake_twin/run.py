@@ -175,14 +175,13 @@ class _Run:
     def run(self) -> None:
         """Run the twin, and its successors."""
         while True:
-            start, begin = time.perf_counter(), self.twin.time
+            start, begin = time.perf_counter(), self.twin.clock.simulated
             try:
                 self._simulate()
             except RunError as error:
                 self.failure = error
             self.wall_time += time.perf_counter() - start
-            now = self.twin.time
-            self.simulated += now - begin if now >= begin else now  # it is less after a reset
+            self.simulated += self.twin.clock.simulated - begin
             if self.failure is not None or self._stopped or self._watch is None or not self._watch.has_changed:
                 return
             self.twin, self._target, self._watch = rebuilt_twin(self.twin, self._target, self._options, self._watch)

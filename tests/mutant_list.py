@@ -441,7 +441,7 @@ MUTANTS = (
     *_of(
         "twin/subscriptions.py",
         SUBSCRIPTIONS,
-        ("subscriptions: rounding loses a point", "time / self._period + 1e-9", "time / self._period"),
+        ("subscriptions: rounding loses a point", "floor(points + 1e-9)", "floor(points)"),
         ("subscriptions: two points of one step", "max(self.due, step + 1)", "self.due"),
         ("subscriptions: what has ended is delivered", "if subscription.due > step:", "if not subscription:"),
         ("subscriptions: what has ended is due", "subscription.due = inf", "subscription.due = 0"),

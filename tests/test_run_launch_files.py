@@ -116,7 +116,7 @@ def test_a_display_runs_without_physics_and_publishes_joint_states(tmp_path, cap
 def test_echo_prints_messages_and_an_unknown_topic_is_refused(tmp_path, capsys):
     assert main([str(LAUNCH_ARM), "--headless", "--duration", "0.03", "--echo", "/clock"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("clock:\n  sec: 0\n  nanosec: 0\n---\nclock:\n  sec: 0\n  nanosec: 10000000\n---\n")
+    assert out.startswith("clock:\n  sec: 0\n  nanosec: 0\n---\nclock:\n  sec: 0\n  nanosec: 1000000\n---\n")
     assert "nothing is published on '/clok'. Did you mean '/clock'?" in refused(capsys, LAUNCH_ARM, "--echo", "/clok")
 
 

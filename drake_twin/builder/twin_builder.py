@@ -47,6 +47,7 @@ class TwinBuilder:
         world: The world: gravity, ground, and a world file.
         seed: What the noise of sensors is drawn from.
         sensor_noise: Whether sensors have the noise that their files give them.
+        clock_rate: The rate of ``/clock`` (Hz); 0 for each physics step.
     """
 
     def __init__(
@@ -58,7 +59,9 @@ class TwinBuilder:
         accuracy: float = 1e-3,
         seed: int = 0,
         sensor_noise: bool = True,
+        clock_rate: float = 0.0,
     ):
+        self._clock_rate = float(clock_rate)
         self._seed, self._sensor_noise = seed, sensor_noise
         self._engine, self._accuracy = engine, float(accuracy)
         self._time_step = None if time_step is None else float(time_step)
@@ -277,6 +280,7 @@ class TwinBuilder:
             seed=self._seed,
             sensor_noise=self._sensor_noise,
             nodes=tuple(self._nodes),
+            clock_rate=self._clock_rate,
         )
 
     def build(self, meshcat: Meshcat | None = None) -> Twin:

@@ -96,6 +96,9 @@ def _add_time(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument("--accuracy", type=float, metavar="A", help="the accuracy of cenic (default: 0.001)")
     group.add_argument(
+        "--clock-rate", type=float, metavar="HZ", help="the rate of /clock (default: each physics step, as in Gazebo)"
+    )
+    group.add_argument(
         "--real-time-rate",
         type=float,
         metavar="R",
@@ -170,7 +173,7 @@ def check(options: argparse.Namespace) -> None:
     """
     if options.robots is not None and options.robots < 1:
         raise InputError(f"--robots {options.robots}: a twin needs at least one robot")
-    for name in ("duration", "time_step", "real_time_rate"):
+    for name in ("duration", "time_step", "clock_rate", "real_time_rate"):
         value = getattr(options, name)
         if value is not None and not 0 < value <= LONGEST_TIME:
             bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"

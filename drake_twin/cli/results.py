@@ -70,7 +70,7 @@ def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None,
 
     result = summary(twin, simulated, wall_time, failure)
     count = len(result["robots"])
-    now = "" if simulated == twin.time else f", at {twin.time:.3f} s"
+    now = "" if f"{simulated:.3f}" == f"{twin.time:.3f}" else f", at {twin.time:.3f} s"
     say(
         f"{count} robot{'s' if count > 1 else ''}, {simulated:.3f} s simulated in {wall_time:.3f} s"
         f" (real-time factor {result['real_time_factor']:.2f}){now}, state {result['state_sha256'][:12]}"

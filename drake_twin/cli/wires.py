@@ -51,6 +51,9 @@ class Wires:
             self._seam.close()
             self._seam, self._wires = None, []
             self._open(is_first=False)
+        else:
+            for kind, wire in zip(self._kinds, self._wires, strict=True):
+                kind.look_around(wire, twin)
         self._assets = Assets(twin)
         for kind in self._kinds:
             kind.connected(self._options, twin)

@@ -52,6 +52,8 @@ class ControllerSetup:
         active_at_start: Whether a new Context of the diagram has it active.
         measures_late: Whether what it reads of the robot is delayed.
         robot: The robot's name, which is its model's in Gazebo.
+        publication_period: The time between two publications of a drive's odometry (s), for a plugin of Gazebo; 0 for
+            what its parameters say.
     """
 
     name: str
@@ -71,6 +73,7 @@ class ControllerSetup:
     active_at_start: bool = False
     measures_late: bool = False
     robot: str = ""
+    publication_period: float = 0.0
 
     def frame(self, frame_id: str) -> str:
         """Return a frame's name on ``/tf``: links of this robot get the robot's frame prefix."""

@@ -14,7 +14,6 @@ from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
     check_covariances,
-    publication,
     state_joint,
     twist_message,
 )
@@ -188,7 +187,7 @@ class DiffDriveController(DriveController):
             self._base_velocity,
             from_positions=parameters.position_feedback,
         )
-        memory = publication(memory, time, parameters.publish_rate)
+        memory = self._with_publication(memory, time, parameters.publish_rate)
         if limited is None:
             return Update(memory, self.sample(context).commands)
         left, right = self._drive.wheel_velocities(*limited)

@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.control.wheel_odometry import WheelOdometry
-from drake_twin.controllers.odometry_frames import odometry_frames
+from drake_twin.controllers.odometry_frames import TF_ODOMETRY, odometry_frames
 from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
@@ -168,14 +168,14 @@ class DriveController(PeriodicController):
         )
         diagonals = (parameters.pose_covariance_diagonal, parameters.twist_covariance_diagonal)
         self._covariances = tuple(np.diag(diagonal).ravel() for diagonal in diagonals)
-        self._with_pose = with_pose
+        self._with_pose, self._odometry_topic = with_pose, topic
         tickets = {self.sample_ticket()}
         if self.setup.true_odometry:
             tickets.add(self.input_port_ticket(self.get_state_input_port().get_index()))
         self._odometry = self.declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
         if parameters.enable_odom_tf:
             self.odometry_frames = self._frames
-            self.declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
+            self.declare_topic_output(TF_ODOMETRY, "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
 
     def _feedback(
         self, context: Context, memory: DriveMemory, time: float, *, from_positions: bool
@@ -203,6 +203,28 @@ class DriveController(PeriodicController):
     def _is_expired(self, now: float, stamp: float) -> bool:
         """Return whether a command with this stamp has timed out (s); a time-out of zero never does."""
         return bool(self._command_timeout) and is_older(now, stamp, self._command_timeout)
+
+    def _with_publication(self, memory: DriveMemory, time: float, rate: float = 0.0) -> DriveMemory:
+        """Return the memory with its odometry published, if that is due.
+
+        Args:
+            memory: The memory.
+            time: The present time (s).
+            rate: The rate at which diff_drive_controller publishes (Hz); 0 for each update. A plugin of Gazebo has its
+                own period, which counts from one publication to the next.
+        """
+        now, due = round(time * _NANOSECONDS), memory.next_publication
+        period = round(self.setup.publication_period * _NANOSECONDS)
+        if period:
+            if due is not None and now < due:
+                return memory
+            due = now if due is None or due + period <= now else due
+        elif rate:
+            if due is not None and now <= due:
+                return memory
+            due, period = now if due is None else due, int(_NANOSECONDS / rate)
+        following = None if due is None else due + period
+        return replace(memory, published=replace(memory.odometry, time=time), next_publication=following)
 
     def _valid_command(self, context: Context, time: float) -> TwistCommand | None:
         """Return the last command; None before the first and after it has timed out."""
@@ -266,6 +288,13 @@ class DriveController(PeriodicController):
         window = parameters.velocity_rolling_window_size
         return replace(memory, odometry=memory.odometry.moved(*base_velocity(wheels), time, window))
 
+    def publication(self, topic: str, context: Context) -> Any:
+        """Return the time at which the message of a topic was published (s); None before the first."""
+        if topic not in (self._odometry_topic, TF_ODOMETRY):
+            return super().publication(topic, context)
+        memory: DriveMemory | None = self.sample(context).memory
+        return None if memory is None or memory.published is None else memory.published.time
+
     def _seen_odometry(self, context: Context) -> WheelOdometry | None:
         """Return the published odometry, the true one with `ControllerSetup.true_odometry`; None before it."""
         memory: DriveMemory | None = self.sample(context).memory
@@ -327,18 +356,6 @@ def is_older(now: float, stamp: float, timeout: float) -> bool:
     return not isinf(timeout) and round(now * _NANOSECONDS) - round(stamp * _NANOSECONDS) > round(
         timeout * _NANOSECONDS
     )
-
-
-def publication(memory: DriveMemory, time: float, rate: float) -> DriveMemory:
-    """Return the memory with its odometry published if due at a rate (Hz), as diff_drive_controller does."""
-    now = round(time * _NANOSECONDS)
-    due = memory.next_publication
-    if due is None:
-        due = now
-    elif now <= due:
-        return memory
-    period = int(_NANOSECONDS / rate)
-    return replace(memory, published=replace(memory.odometry, time=time), next_publication=due + period)
 
 
 def state_joint(wheel: str, joints: Container[str]) -> str:

@@ -319,7 +319,7 @@ class MecanumDriveController(DriveController):
         """Update the odometry, limit the command and drive the wheels."""
         wheels, memory = self._feedback(context, memory, time, from_positions=False)
         odometry = memory.odometry.moved_sideways_too(*self._drive.base_velocity(*wheels), time)
-        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
+        memory = self._with_publication(replace(memory, odometry=odometry), time)
         reference, memory = self._reference(context, time, memory)
         memory = replace(memory, state=(*wheels, *reference))
         if any(map(isnan, reference)):

@@ -2,6 +2,8 @@
 
 from drake_twin.controllers.base_controller import ControllerSetup
 
+TF_ODOMETRY = "tf_odometry"  # the port of the transform, which is published on /tf and not on a topic of its own
+
 
 def odometry_frames(
     setup: ControllerSetup, odom_frame_id: str, base_frame_id: str, *, prefix_enable: bool = False, prefix: str = ""

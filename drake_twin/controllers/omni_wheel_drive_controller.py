@@ -150,6 +150,6 @@ class OmniWheelDriveController(DriveController):
             wheels, memory = self._feedback(context, memory, time, from_positions=parameters.position_feedback)
             x, y, angular = self._drive.base_velocity(*wheels)
         odometry = memory.odometry.moved_on_an_arc(x, y, angular, time)
-        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
+        memory = self._with_publication(replace(memory, odometry=odometry), time)
         written = self.sample(context).commands if wanted is None else self._drive.wheel_velocities(*wanted)
         return Update(memory, written)

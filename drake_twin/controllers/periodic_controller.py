@@ -101,6 +101,10 @@ class PeriodicController(StatefulController):
         """
         return Update(memory, self._nothing)
 
+    def publication(self, topic: str, context: Context) -> Any:
+        """Return the time at which the message on a topic's port was published (s): at the last update."""
+        return self.sample(context).time
+
     def used_id(self, memory: Any) -> int:
         """Return the id of the newest command that an update has used, if commands are numbered."""
         return 0

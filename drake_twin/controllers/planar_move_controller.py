@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, publication
+from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
@@ -87,7 +87,7 @@ class PlanarMoveController(DriveController):
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
         """Forward the command and measure the base's pose."""
         memory = replace(memory, odometry=self.true_odometry(context, time))
-        memory = publication(memory, time, self.setup.parameters.publish_rate)
+        memory = self._with_publication(memory, time, self.setup.parameters.publish_rate)
         command = self.received(self.get_command_input_port(), context)
         if command is None:
             return Update(memory, (nan, nan, nan))

@@ -215,7 +215,7 @@ class SteeringController(DriveController):
         )
         measure = self.positions if parameters.position_feedback else self.velocities
         state = (*map(float, measure(context, self._odometry_wheels)), *angles)
-        memory = replace(memory, published=replace(memory.odometry, time=time), state=state)
+        memory = self._with_publication(replace(memory, state=state), time)
         if isnan(linear) or isnan(angular):
             held = self.sample(context).commands[self._drive.driven :]
             return Update(memory, (0.0,) * self._drive.driven + held)

@@ -213,7 +213,7 @@ class TricycleController(DriveController):
             lambda wheels: self._drive.base_velocity(wheels[0], measured),
             from_positions=False,
         )
-        memory = replace(memory, published=replace(memory.odometry, time=time))
+        memory = self._with_publication(memory, time)
         speed, angle = self._drive.wheel_command(linear, angular)
         speed *= _share_of_speed(abs(angle - measured))
         limited = self._limited((speed, angle), memory)

@@ -32,6 +32,8 @@ FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update
 JointInterface = tuple[str, str]
 Element = tuple[str, int | None]
 
+EACH_STEP = 1e6  # Hz: the rate of what happens in each physics step, however short
+
 ACTUATORS = "actuator_msgs/msg/Actuators"
 
 # The twin's own types: ros2_controllers has nothing like them.
@@ -82,6 +84,7 @@ class GazeboDrive:
         servos: (joint, command interface) → how the plugin follows a command, if not as the twin does by itself.
         start: Joint → the position (rad or m) that the plugin commands at the start.
         true_odometry: Whether its odometry is the true pose in the world, and not computed from the wheels.
+        odometry_rate: The rate of its odometry (Hz); 0 for each physics step, None for the controller's own.
         not_started: Why the plugin cannot work.
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
@@ -99,6 +102,7 @@ class GazeboDrive:
     servos: Mapping[JointInterface, Servo] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
     true_odometry: bool = False
+    odometry_rate: float | None = None
     not_started: str | None = None
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
@@ -218,5 +222,5 @@ def gazebo_plugin(*names: str) -> Callable[[Convert], Convert]:
 
 
 def as_rate(rate: float) -> float:
-    """Return a plugin's rate (Hz), where zero stands for every update."""
-    return rate if rate > 0.0 else 1e6
+    """Return a plugin's rate (Hz), where zero or less stands for every physics step."""
+    return rate if 0.0 < rate < EACH_STEP else EACH_STEP

@@ -4,11 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.controllers.odometry_frames import TF_ODOMETRY
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import POSED_JOINT_TYPES, Pose
 from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.robot_diagram import RobotDiagram
-from drake_twin.diagram.topics import PublishedTopic, Topics
+from drake_twin.diagram.robot_topics import times_of
+from drake_twin.diagram.topics import TF, PublishedTopic, Topics
+from drake_twin.diagram.update_periods import published_rate, whole_steps
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
@@ -16,7 +19,8 @@ from drake_twin.planning.topics import ROBOT_DESCRIPTION, robot_topic
 from drake_twin.scenario import Scenario
 from drake_twin.systems.robot_state_publisher import FixedFrame, LinkFrame, RobotFrames, RobotStatePublisher
 
-TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is not a topic of its own
+_TYPE = "tf2_msgs/msg/TFMessage"
+_SELDOM = 1.0  # Hz, of what does not move
 
 
 def add_frames(
@@ -35,7 +39,8 @@ def add_frames(
         InputError: If two robots have a frame of one name, or a frame would have two parents or be its own ancestor.
     """
     static_transforms = [
-        FixedFrame(item.parent, item.child, Pose(item.xyz, item.rpy)) for item in scenario.static_transforms
+        FixedFrame(item.parent.removeprefix("/"), item.child.removeprefix("/"), Pose(item.xyz, item.rpy))
+        for item in scenario.static_transforms
     ]
     placed = {frame.child for frame in static_transforms} | {"world"}
     link_frames: dict[str, str] = {}
@@ -89,6 +94,35 @@ def add_frames(
         port = publisher.GetOutputPort(f"{plan.name}/robot_description")
         topics.publish(PublishedTopic(topic, "std_msgs/msg/String", port, None, plan.name))
     return publisher
+
+
+def publish_frames(
+    frames: RobotStatePublisher,
+    plans: Sequence[RobotPlan],
+    robots: Mapping[str, RobotDiagram],
+    topics: Topics,
+    time_step: float,
+) -> None:
+    """Publish all frames: the joints' as robot_state_publisher does, and each drive's as its controller does."""
+    rate = max((_rate(plan, robots[plan.name]) for plan in plans), default=_SELDOM)
+    topics.publish(PublishedTopic(TF, _TYPE, frames.get_tf_output_port(), rate, drafter=frames.tf_drafter()))
+    topics.publish(PublishedTopic("/tf_static", _TYPE, frames.get_tf_static_output_port(), None))
+    for robot, name in _odometry(robots):
+        port = robots[robot].diagram.GetOutputPort(f"{name}/{TF_ODOMETRY}")
+        times = times_of(robots[robot].controllers[name], TF_ODOMETRY, time_step)
+        topics.publish(PublishedTopic(TF, _TYPE, port, robot=robot, controller=name, **times))
+
+
+def _rate(plan: RobotPlan, robot: RobotDiagram) -> float:
+    """Return the rate at which robot_state_publisher publishes a robot's moving joints (Hz).
+
+    It waits for the first joint states that come a number of whole milliseconds after the last ones published.
+    """
+    if not plan.description.movable_joints:
+        return _SELDOM
+    period, frequency = robot.broadcaster.setup.update_period, plan.robot.publish_frequency
+    interval = int(1000.0 / frequency) / 1000.0 if frequency else 0.0
+    return published_rate(whole_steps(1.0 / max(interval, period), period) * period)
 
 
 def _odometry(robots: Mapping[str, RobotDiagram]) -> dict[tuple[str, str], tuple[str, str]]:

@@ -1,13 +1,13 @@
 """The GPIOs of a robot's sub-diagram, connected to the controllers that use them."""
 
 from collections.abc import Mapping
-from math import ceil
 
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.plant_inputs import free_name
+from drake_twin.diagram.update_periods import whole_steps
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.gpio_hardware import GpioHardware, GpioState
 
@@ -36,7 +36,7 @@ def add_gpios(
         for name, value in gpio.states.items()
     ]
     sources = {name: [indices.get(item, -1) for item in each.interfaces] for name, each in writing.items()}
-    steps = max(1, ceil(1.0 / plan.manager.update_rate / time_step - 1e-6))
+    steps = whole_steps(plan.manager.update_rate, time_step)
     hardware: GpioHardware = builder.AddNamedSystem(
         free_name(builder, "gpios"), GpioHardware([*commands.values()], states, sources, steps * time_step)
     )

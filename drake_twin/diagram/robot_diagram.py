@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import ceil, nextafter
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -20,6 +19,7 @@ from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_read_sensors
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, EFFORT, FREE, MODES, REST, UP, velocity_limit
+from drake_twin.diagram.update_periods import update_period, update_steps, whole_steps
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
@@ -86,10 +86,10 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     always_published = {}
     broadcaster = next((item for item in controllers.values() if isinstance(item, JointStateBroadcaster)), None)
     if broadcaster is None:
-        broadcaster = _add_broadcaster(builder, plan, layout)
+        broadcaster = _add_broadcaster(builder, plan, layout, time_step)
         for name, port in broadcaster.robot_inputs.items():
             late.connect(from_plant[name], name, port)
-        if all(item.type != JOINT_STATE_BROADCASTER for item in plan.controllers):
+        if plan.description.movable_joints and all(item.type != JOINT_STATE_BROADCASTER for item in plan.controllers):
             always_published = dict(broadcaster.published)
         for topic in always_published:
             builder.ExportOutput(broadcaster.GetOutputPort(topic), topic)
@@ -121,10 +121,13 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     )
 
 
-def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout) -> JointStateBroadcaster:
-    """Add a broadcaster for a robot whose files have none, as its joint states are published in any case."""
+def _add_broadcaster(
+    builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float
+) -> JointStateBroadcaster:
+    """Add a broadcaster for a robot whose files have none: the states of its joints are published in any case."""
     parameters = JointStateBroadcasterParameters(frame_id="")
-    setup = ControllerSetup("joint_state_broadcaster", parameters, (), plan.description, layout)
+    period = whole_steps(plan.manager.update_rate, time_step) * time_step
+    setup = ControllerSetup("joint_state_broadcaster", parameters, (), plan.description, layout, update_period=period)
     broadcaster: JointStateBroadcaster = builder.AddNamedSystem(
         free_name(builder, setup.name), JointStateBroadcaster(setup)
     )
@@ -139,15 +142,17 @@ def _add_controllers(
     depths = {name: _depth(name, usable) for name in usable}
     controllers: dict[str, Controller] = {}
     warnings = _too_fast(plan, time_step)
+    per_cycle = whole_steps(plan.manager.update_rate, time_step)
     for name, item in sorted(usable.items(), key=lambda entry: depths[entry[0]]):  # a chain is added from its upper end
-        steps = max(1, ceil(1.0 / item.update_rate / time_step - 1e-6))
+        steps = update_steps(item, per_cycle, time_step)
+        odometry_rate = None if item.wiring is None else item.wiring.odometry_rate
         setup = ControllerSetup(
             name=name,
             parameters=item.parameters,
             claims=item.claims,
             description=plan.description,
             layout=layout,
-            update_period=steps * time_step if continuous else _not_behind(steps, time_step),
+            update_period=steps * time_step if continuous else update_period(steps, time_step),
             update_offset=min(depths[name], steps - 1) * time_step,
             namespace=plan.robot.topic_namespace,
             frame_prefix=plan.frame_prefix,
@@ -162,6 +167,7 @@ def _add_controllers(
             active_at_start=item.state == ACTIVE,
             measures_late=plan.robot.measurement_delay > 0,
             robot=plan.name,
+            publication_period=0.0 if odometry_rate is None else whole_steps(odometry_rate, time_step) * time_step,
         )
         kind = controller_class(item.type)
         assert kind is not None, "a controller of an unknown type has a problem"
@@ -177,7 +183,7 @@ def _add_controllers(
 
 def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
     """Return warnings of update rates higher than that of the physics, one sentence for each rate."""
-    loaded = [item for item in plan.controllers if item.state != UNLOADED]
+    loaded = [item for item in plan.controllers if item.state != UNLOADED and item.wiring is None]
     rates = {f"controller {item.name}": item.update_rate for item in loaded}
     if loaded:
         rates["the controller manager"] = plan.manager.update_rate
@@ -186,17 +192,6 @@ def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
         f" higher than that of the physics, which steps every {time_step:g} s: reduced to {1 / time_step:g} Hz"
         for rate in sorted({rate for rate in rates.values() if rate * time_step > 1 + 1e-9})
     ]
-
-
-def _not_behind(steps: int, time_step: float) -> float:
-    """Return the time of a number of steps (s), rounded so that no multiple of it is later than its step.
-
-    As doubles, five steps of 5 ms are 3e-18 s more than a product of five: one update in six would come after the
-    plant's step of the same time, and act one step later.
-    """
-    period = steps * time_step
-    (above, below), (step_above, step_below) = period.as_integer_ratio(), time_step.as_integer_ratio()
-    return period if above * step_below <= steps * step_above * below else nextafter(period, 0.0)
 
 
 def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dict[str, tuple[int, ...]]:

@@ -7,12 +7,15 @@ topic's name with ``@ROBOT/CONTROLLER`` after it.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, count
+from typing import Any
 
-from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
 from drake_twin.errors import InputError
 from drake_twin.messages.draft import Draft
 from drake_twin.systems.plant_reading import Reading
+
+CLOCK, TF = "/clock", "/tf"
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,10 @@ class PublishedTopic:
         sensor: The sensor that measures it, at multiples of 1 / rate only: its link or joint and its name.
         drafter: Drafts its messages; None if they are evaluated whole.
         delay: How long after its measurement a message is published (s); None for at once.
+        offset: How long after multiples of 1 / rate it is published (s).
+        publication: Returns what tells the message that the port has from an earlier one, given the root context; None
+            if the port has a new one at any time.
+        draft_at: Drafts the message of any time (s), if it follows from the time alone.
     """
 
     topic: str
@@ -40,6 +47,9 @@ class PublishedTopic:
     sensor: str = ""
     drafter: Callable[[Reading], Draft] | None = None
     delay: float | None = None
+    offset: float = 0.0
+    publication: Callable[[Context], Any] | None = None
+    draft_at: Callable[[float], Draft] | None = None
 
 
 @dataclass(frozen=True)
@@ -81,14 +91,14 @@ class Topics:
     def publish(self, item: PublishedTopic) -> None:
         """Export an output port under a topic's name.
 
-        If several controllers of one robot publish the same type on one topic, only the first does.
+        If several controllers of one robot publish the same type on one topic, only the first does, except on ``/tf``.
 
         Raises:
             InputError: If another message type is published on the topic.
         """
         known = self.published.get(item.topic)
         if known is not None:
-            if item.robot and (known.type, known.robot) == (item.type, item.robot):
+            if item.topic != TF and item.robot and (known.type, known.robot) == (item.type, item.robot):
                 return
             _refuse_other_type(known, item)
         name = _port_name(item, self.published)

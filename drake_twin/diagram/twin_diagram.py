@@ -21,21 +21,21 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.detachable_joints import JointInPlant
-from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
+from drake_twin.diagram.frames import add_frames, colliding_transforms, publish_frames
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
-from drake_twin.diagram.sensors_of_twin import add_sensors, publish_sensors
-from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
+from drake_twin.diagram.robot_topics import publish_robot
+from drake_twin.diagram.sensors_of_twin import add_sensors
+from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
-from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
+from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
 from drake_twin.planning.world_sensors import ModelPlan, plan_models
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
@@ -104,8 +104,6 @@ class TwinDiagram:
             owners |= dict.fromkeys(instances, name)
         return owners
 
-
-_TF = "tf2_msgs/msg/TFMessage"
 
 # Adds a user's own systems to the diagram before it is built; see `build_twin_diagram`.
 Extension = Callable[[DiagramBuilder, "DiagramParts"], None]
@@ -232,10 +230,10 @@ def _build(
     about_sensors = add_sensors(builder, parts, plans, models, robots, topics, surroundings)
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
-    clock_port = clock.get_clock_output_port()
-    topics.publish(PublishedTopic("/clock", "rosgraph_msgs/msg/Clock", clock_port, 100.0, drafter=clock.drafter()))
-    topics.publish(PublishedTopic("/tf", _TF, frames.get_tf_output_port(), 20.0, drafter=frames.tf_drafter()))
-    topics.publish(PublishedTopic("/tf_static", _TF, frames.get_tf_static_output_port(), None))
+    clock_port, clock_rate = clock.get_clock_output_port(), scenario.clock_rate or 1.0 / scenario.time_step
+    drafters = {"drafter": clock.drafter(), "draft_at": clock.draft_at()}
+    topics.publish(PublishedTopic(CLOCK, "rosgraph_msgs/msg/Clock", clock_port, clock_rate, **drafters))
+    publish_frames(frames, plans, robots, topics, scenario.time_step)
     _add_ground_truth(builder, parts, plans, topics)
     _add_entity_states(builder, parts, plans, topics)
     visualizer = add_visualizer(builder, parts.scene_graph, meshcat)
@@ -309,11 +307,6 @@ def _export_vectors(
                 builder.ExportOutput(robot.diagram.GetOutputPort(f"{controller}/{own}"), f"{name}/{controller}/{own}")
 
 
-def _type(plan: ControllerPlan, own: str, kind: str) -> str:
-    """Return the ROS type of a controller's topic."""
-    return kind if plan.wiring is None else plan.wiring.types.get(own, kind)
-
-
 def _add_robot(
     builder: DiagramBuilder,
     parts: PlantOfTwin,
@@ -331,27 +324,7 @@ def _add_robot(
             builder.Connect(system.GetOutputPort("actuation"), plant.get_actuation_input_port(instance))
     for name, output in robot.plant_inputs.items():
         builder.Connect(output, system.GetInputPort(name))
-    plans = {item.name: item for item in plan.controllers}
-    for name, kind in robot.always_published.items():
-        drafter = None if robot.delays else robot.broadcaster.drafter(name, in_plant.places)
-        topic, rate, port = robot_topic(plan, name), plan.manager.update_rate, system.GetOutputPort(name)
-        topics.publish(PublishedTopic(topic, kind, port, rate, plan.name, drafter=drafter))
-    publish_sensors(plan.name, robot.sensors, system, topics, surroundings.time_step)
-    for name, item in robot.controllers.items():
-        for own, kind in item.subscribed.items():
-            if (listened := controller_topic(plan, plans[name], own)) is not None:
-                port = system.GetInputPort(f"{name}/{own}")
-                topics.listen(CommandTopic(listened, _type(plans[name], own, kind), port, plan.name, name, own))
-        for own, kind in item.actions.items():
-            port = system.GetInputPort(f"{name}/{own}")
-            action_name = f"{plan.robot.topic_namespace}/{name}/{own}"
-            topics.listen(CommandTopic(action_name, kind, port, plan.name, name, own), action=True)
-        for own, kind in item.published.items():
-            published = controller_topic(plan, plans[name], own)
-            if published is not None and own != TF_ODOMETRY:  # published on /tf
-                output, rate = system.GetOutputPort(f"{name}/{own}"), plans[name].update_rate
-                drafter = None if robot.delays else item.drafter(own, in_plant.places)
-                topics.publish(PublishedTopic(published, kind, output, rate, plan.name, name, drafter=drafter))
+    publish_robot(plan, robot, system, topics, in_plant, surroundings.time_step)
     return robot
 
 
@@ -369,6 +342,8 @@ def _add_ground_truth(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequen
     builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
     for plan, base in zip(plans, bases, strict=True):
         topic, drafter = robot_topic(plan, GROUND_TRUTH), publisher.drafter(base)
+        if topic in topics.published:  # another robot of its namespace has it
+            topic = f"{plan.robot.topic_namespace}/{plan.name}/{GROUND_TRUTH}"
         port, rate = publisher.get_odom_output_port(plan.name), plan.manager.update_rate
         topics.publish(PublishedTopic(topic, "nav_msgs/msg/Odometry", port, rate, plan.name, drafter=drafter))
 

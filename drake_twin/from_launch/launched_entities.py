@@ -38,10 +38,10 @@ from drake_twin.from_launch.launched_robots import (
     is_spawner,
     is_state_publisher,
     parameter_file,
-    parameters,
 )
 from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world, world_start
 from drake_twin.from_launch.not_started import is_window, misspelt_package, why_not_started
+from drake_twin.from_launch.published_frames import frame_prefix, publish_frequency
 from drake_twin.from_launch.static_frames import static_frame
 from drake_twin.ros2.launched import Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
 from drake_twin.scenario import Command, NodeProgram, Robot, StaticTransform, World, name_in_twin
@@ -236,7 +236,7 @@ class _Sorter:
                 self._findings.append(Finding(Kind.WARNING, what, robot=name))
             if launched.controller_manager is not None:
                 namespaces.add(namespace)
-            prefix = _frame_prefix(launched)
+            prefix = frame_prefix(launched.publisher)
             if any(prefix + link in links for link in launched.links if prefix + link != "world"):
                 prefix = f"{name}/"
                 what = "another robot publishes frames of the same names, so its own begin with its name and / on /tf"
@@ -258,6 +258,7 @@ class _Sorter:
                 rpy=(0.0, 0.0, 0.0) if pose is None else pose.rpy,
                 namespace=namespace,
                 frame_prefix=prefix,
+                publish_frequency=publish_frequency(launched.publisher),
                 controllers=self._parameter_files(launched, requests),
                 active_controllers=tuple(item.name for item in requests if item.state == ACTIVE),
                 inactive_controllers=tuple(item.name for item in requests if item.state == INACTIVE),
@@ -365,11 +366,6 @@ def _folders_of(file: Path, processes: Iterable[LaunchedProcess]) -> Iterable[st
             for folder in (process.environment.get(variable) or "").split(os.pathsep):
                 if folder and Path(folder).is_dir():
                     yield os.path.abspath(folder)
-
-
-def _frame_prefix(robot: LaunchedRobot) -> str:
-    prefix = "" if robot.publisher is None else parameters(robot.publisher).get("frame_prefix", "")
-    return prefix if isinstance(prefix, str) else ""
 
 
 def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:

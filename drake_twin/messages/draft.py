@@ -16,7 +16,13 @@ _TIMES = 1234567890.123456789, 987654321.987654321  # s; not found in a message 
 
 
 class Draft(Protocol):
-    """A message that is not made yet; its methods may be called in any thread."""
+    """A message that is not made yet; its methods may be called in any thread.
+
+    Attributes:
+        time: The time that it is of (s); None for that at which it is delivered.
+    """
+
+    time: float | None
 
     def message(self) -> Any:
         """Make the message; it may be None."""
@@ -30,11 +36,13 @@ class LaterDraft:
 
     Args:
         make: Makes it, in any thread.
+        time: The time that it is of (s); None for that at which it is delivered.
     """
 
-    def __init__(self, make: Callable[[], Any]):
+    def __init__(self, make: Callable[[], Any], time: float | None = None):
         self._make = make
         self._message: Any = None
+        self.time = time
 
     def message(self) -> Any:
         """Make the message, once; it may be None."""
@@ -72,7 +80,11 @@ class Drafter:
 
     def __call__(self, reading: Any) -> Draft:
         """Draft a message."""
-        return _NumbersDraft(self, reading.time, self._read(reading))
+        return self.at(reading.time, self._read(reading))
+
+    def at(self, time: float, values: np.ndarray) -> Draft:
+        """Draft a message of a time (s) from what would be read then."""
+        return _NumbersDraft(self, time, values)
 
     def serialized(self, time: float, numbers: np.ndarray) -> bytes | None:
         """Return the CDR bytes of a message."""
@@ -92,7 +104,7 @@ class Drafter:
 
 class _NumbersDraft(LaterDraft):
     def __init__(self, drafter: Drafter, time: float, values: np.ndarray):
-        super().__init__(lambda: drafter.make(time, drafter.numbers(values)))
+        super().__init__(lambda: drafter.make(time, drafter.numbers(values)), time)
         self._drafter, self._time, self._values = drafter, time, values
 
     def serialized(self) -> bytes | None:

@@ -10,9 +10,9 @@ _CLOSE = 0.85
 
 
 def frame_prefix(robot: Robot, description: RobotDescription) -> str:
-    """Return the prefix of a robot's link names in tf messages."""
+    """Return the prefix of a robot's link names in tf messages, without the leading slash that tf2 strips."""
     if robot.frame_prefix is not None:
-        return robot.frame_prefix
+        return robot.frame_prefix.removeprefix("/")
     own = (f"{robot.name}_", f"{robot.name}/")
     named_after_robot = all(link == "world" or link.startswith(own) for link in description.links)
     return "" if named_after_robot else f"{robot.name}/"

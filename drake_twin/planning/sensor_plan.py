@@ -189,7 +189,7 @@ def _plan(owner: SensorOwner, sensor: Sensor, kind: "type[SensorSystem]", settin
     scope = (*owner.name.split("::"), sensor.joint or sensor.gazebo_link, sensor.name)
     frame = sensor.frame or kind.default_frame(sensor, settings, "/".join(scope))
     if frame in owner.description.links:
-        frame = owner.frame_prefix.lstrip("/") + frame
+        frame = owner.frame_prefix + frame
     noises = {name: noise for name, noise in kind.noises(settings).items() if noise != SILENT}
     default = gazebo_default(owner.name, sensor, kind.gz_topic or sensor.kind)
     base = default if sensor.topic in ("", "__default_topic__") else f"/{valid_topic(sensor.topic)}"

@@ -129,6 +129,8 @@ class Robot:
         command_delay: How much later what is published to its controllers reaches them (s), in whole physics steps.
         measurement_delay: How old the joint states are that its controllers read and publish (s), likewise.
         noise: A factor on the noise of all its sensors: 1 for that of its file, 0 for ideal values.
+        publish_frequency: The highest rate at which its moving joints are published on ``/tf`` (Hz, 0 for that of its
+            joint states), as robot_state_publisher's parameter of this name.
     """
 
     name: str
@@ -157,6 +159,7 @@ class Robot:
     command_delay: float = 0.0
     measurement_delay: float = 0.0
     noise: float = 1.0
+    publish_frequency: float = 20.0
 
     @property
     def topic_namespace(self) -> str:
@@ -250,6 +253,7 @@ class Scenario:
             `drake_twin.twin.varied_parameters` lists them. Servo gains stay those of the files' values.
         pushes: Forces that push links, with their times.
         retune: Whether servo gains follow `values` instead, as if the files had them.
+        clock_rate: The rate of ``/clock`` (Hz); 0 for each physics step, as Gazebo Sim publishes it.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -271,6 +275,7 @@ class Scenario:
     values: Mapping[str, float] = field(default_factory=dict)
     pushes: tuple[Push, ...] = ()
     retune: bool = False
+    clock_rate: float = 0.0
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -314,6 +319,8 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     for name, valid in (("engine", ENGINES), ("contact_approximation", CONTACT_APPROXIMATIONS)):
         if getattr(scenario, name) not in valid:
             yield (name,), _unknown(getattr(scenario, name), valid)
+    if not 0 <= scenario.clock_rate <= 1 / SHORTEST_STEP:
+        yield ("clock_rate",), f"{scenario.clock_rate:g} Hz is out of bounds: valid are 0 to {1 / SHORTEST_STEP:g} Hz"
     if scenario.seed < 0:
         yield ("seed",), f"{scenario.seed} is below zero"
     if not 1e-9 <= scenario.accuracy <= 1.0:
@@ -342,6 +349,9 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         for name, delay in (("command_delay", robot.command_delay), ("measurement_delay", robot.measurement_delay)):
             if not 0 <= delay <= LONGEST_DELAY:
                 yield ("robots", index, name), f"{delay:g} s is not a delay from 0 to {LONGEST_DELAY:g} s"
+        if not 0 <= robot.publish_frequency <= 1000:  # as in robot_state_publisher
+            what = f"{robot.publish_frequency:g} Hz is not a rate from 0 to 1000 Hz"
+            yield ("robots", index, "publish_frequency"), what
         if robot.measurement_delay and scenario.engine == CENIC:
             yield ("robots", index, "measurement_delay"), f"the engine {CENIC} measures without delay: use {DISCRETE}"
     children: set[str] = set()

@@ -45,6 +45,7 @@ class RobotOptions(TypedDict, total=False):
     command_delay: float
     measurement_delay: float
     noise: float
+    publish_frequency: float
 
 
 def address(file: str | Path) -> str:

@@ -28,8 +28,12 @@ def parameter_services(twin: Twin) -> Iterator[Service]:
 def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[tuple[str, Parameters]]:
     """Yield the full names of a robot's nodes with their parameters."""
     namespace, clock = plan.robot.topic_namespace, {"use_sim_time": True}
-    description = {"robot_description": plan.description.text, "frame_prefix": plan.frame_prefix}
-    yield f"{namespace}/robot_state_publisher", clock | description
+    of_publisher = {
+        "robot_description": plan.description.text,
+        "frame_prefix": plan.frame_prefix,
+        "publish_frequency": plan.robot.publish_frequency,
+    }
+    yield f"{namespace}/robot_state_publisher", clock | of_publisher
     types = {f"{item.name}.type": item.type for item in plan.controllers}
     yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.manager.update_rate)} | types
     loaded = twin.control.manager(plan.name).states

@@ -1,5 +1,6 @@
 """Simulation time as a message."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin import messages
-from drake_twin.messages.draft import Drafter
+from drake_twin.messages.draft import Draft, Drafter
 from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
@@ -40,6 +41,11 @@ class ClockPublisher(WitnesslessSystem):
     def drafter(self) -> Drafter:
         """Return what drafts its messages."""
         return Drafter(lambda reading: _NOTHING, lambda nothing: nothing, _clock, 0)
+
+    def draft_at(self) -> Callable[[float], Draft]:
+        """Return what drafts the message of any time (s)."""
+        drafter = self.drafter()
+        return lambda time: drafter.at(time, _NOTHING)
 
     def _calc_clock(self, context: Context, output: AbstractValue) -> None:
         output.set_value(_clock(context.get_time(), _NOTHING))

@@ -166,30 +166,32 @@ class RobotStatePublisher(WitnesslessSystem):
         return self.DeclareAbstractOutputPort(name, empty_value, calc, prerequisites)
 
     def tf_drafter(self) -> Callable[[Reading], Draft]:
-        """Return what drafts the messages of ``tf``. It refers to this system, which must not keep it."""
-        if not self._odometry and not self._poses:
-            numbers = 7 * (len(self._bases) + len(self._moving.frames))
+        """Return what drafts the messages of ``tf`` without the drives' transforms, which drives publish themselves.
+
+        If nothing moves, it drafts nothing. It refers to this system, which must not keep it.
+        """
+        numbers = 7 * (len(self._bases) + len(self._moving.frames))
+        if not numbers and not self._links:
+            return lambda reading: LaterDraft(lambda: None)
+        if not self._links:
             return Drafter(attrgetter("state"), self._numbers, self._message, numbers)
 
         def draft(reading: Reading) -> Draft:
-            state, others = reading.state, self._others(self.GetMyContextFromRoot(reading.root_context))
-            return LaterDraft(lambda: self._message(reading.time, self._numbers(state), *others))
+            state, links = reading.state, self._links_in(self.GetMyContextFromRoot(reading.root_context))
+            return LaterDraft(lambda: self._message(reading.time, self._numbers(state), (), links))
 
         return draft
 
     def _calc_tf(self, context: Context, output: AbstractValue) -> None:
         numbers = self._numbers(self._state.Eval(context))
-        output.set_value(self._message(context.get_time(), numbers, *self._others(context)))
+        messages_of_drives = [or_none(port.Eval(context)) for port in self._odometry]
+        of_drives = [item for message in messages_of_drives if message is not None for item in message.transforms]
+        output.set_value(self._message(context.get_time(), numbers, of_drives, self._links_in(context)))
 
-    def _others(self, context: Context) -> tuple[list[Any], list[Any]]:
-        """Return the transforms that do not follow from the state: those of drives, and those of links."""
-        drives = [or_none(port.Eval(context)) for port in self._odometry]
-        poses = [port.Eval(context) for port in self._poses]
+    def _links_in(self, context: Context) -> list[Any]:
+        """Return the transforms of links, which do not follow from the state."""
         stamp = messages.time_message(context.get_time())
-        return (
-            [item for message in drives if message is not None for item in message.transforms],
-            [_link_transform(stamp, link, of_bodies) for of_bodies in poses for link in self._links],
-        )
+        return [_link_transform(stamp, link, port.Eval(context)) for port in self._poses for link in self._links]
 
     def _numbers(self, state: np.ndarray) -> np.ndarray:
         """Return the true poses of the bases, then the poses of the joints: x, y, z, qx, qy, qz, qw of each."""

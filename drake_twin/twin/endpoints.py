@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.diagram.twin_diagram import TwinDiagram
 
+TWIN_NODE = "/drake_twin"
 PUBLISHED, COMMANDED, ACTION = "published", "commanded", "action"
 
 
@@ -101,4 +102,4 @@ def _node(item: PublishedTopic | CommandTopic, namespace: str) -> str:
     if item.controller:
         return f"{namespace}/{item.controller}"
     is_description = item.topic.endswith("robot_description") or item.topic in ("/tf", "/tf_static")
-    return f"{namespace}/robot_state_publisher" if is_description else "/drake_twin"
+    return f"{namespace}/robot_state_publisher" if is_description else TWIN_NODE

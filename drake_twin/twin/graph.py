@@ -21,7 +21,7 @@ from drake_twin.twin.group import Group
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
 from drake_twin.twin.stepper import Stepper
-from drake_twin.twin.subscriptions import Subscription
+from drake_twin.twin.subscriptions import Subscription, Subscriptions
 from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
@@ -210,27 +210,23 @@ class Graph(Group):
             raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
         if rate is not None and not is_number(rate, 1e-6):
             raise InputError(f"invalid rate {rate!r} Hz: it must be a number above zero")
-        own_rate = self.published_topic(topic).rate
-        rate = own_rate and (rate or own_rate)
-        if own_rate and rate and self.published_topic(topic).sensor:
-            rate = own_rate / max(1, ceil(own_rate / rate - 1e-9))  # it measures at multiples of its own period only
-        period = None if rate is None else 1.0 / rate
-        session = self._session
-        ports = session.built.publishers[self.published_topic(topic).topic]
-        time, published = session.clock.time, session.built.published
-        items = [
-            Subscription(port, callback, period, time, takes_drafts=drafts, delay=published[port].delay)
-            for port in ports
-        ]
-        ends = [session.subscriptions.add(item) for item in items]
-        if len(ends) == 1:
-            return ends[0]
+        name, session = self.published_topic(topic).topic, self._session
 
-        def end() -> None:
-            for each in ends:
-                each()
+        def of_port(port: str) -> Subscription:
+            item = session.built.published[port]
+            period, time = _period(item, rate), session.clock.time
+            return Subscription(
+                port,
+                callback,
+                period,
+                time,
+                takes_drafts=drafts,
+                delay=item.delay,
+                offset=item.offset,
+                draft_at=item.draft_at if drafts else None,
+            )
 
-        return end
+        return session.subscriptions.add_topic(name, of_port)
 
     def subscribe_drafts(self, topic: str, callback: Callable[[Draft], None]) -> Callable[[], None]:
         """Call back with drafts of a topic's messages, which any thread may make; otherwise like `Twin.subscribe`."""
@@ -244,6 +240,15 @@ class Graph(Group):
             if message is not None:
                 return message
         return None
+
+    def feed(self, subscriptions: Subscriptions) -> None:
+        """Let subscriptions take their messages from here."""
+        subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
+        subscriptions.read, subscriptions.publication, subscriptions.draft = self.read, self._publication, self.draft
+
+    def _publication(self, topic: str, reading: Reading) -> Any:
+        item = self._session.physics.built.published.get(topic)
+        return None if item is None or item.publication is None else item.publication(reading.root_context)
 
     def read(self) -> Reading:
         """Read what messages are drafted from, at the present time."""
@@ -292,3 +297,13 @@ class Graph(Group):
 
     def _is_published(self, item: PublishedTopic) -> bool:
         return not item.controller or self._session.controls[item.robot].manager.is_active(item.controller)
+
+
+def _period(item: PublishedTopic, rate: float | None) -> float | None:
+    """Return the time between two deliveries (s) for a rate (Hz), by default the topic's own; None for once."""
+    if item.rate is None:
+        return None
+    rate = rate or item.rate
+    if item.sensor:
+        rate = item.rate / max(1, ceil(item.rate / rate - 1e-9))  # it measures at multiples of its own period only
+    return 1.0 / rate

@@ -67,6 +67,7 @@ class Session:
         wrenches: What pushes links.
         goals: The goals of actions.
         subscriptions: The callbacks of topics.
+        simulated: The time that has been simulated since the session was made (s), also before resets.
         alarm: The stops for node programs.
         sunk: Robot → findings about what it stood in when it came.
     """
@@ -87,6 +88,7 @@ class Session:
         self.commands, self.wrenches, self.goals = Commands(), Wrenches(), Goals()
         self.controls: dict[str, RobotControl] = {}
         self.subscriptions = Subscriptions(scenario.time_step)
+        self.simulated = 0.0
         self.alarm = Alarm(scenario.time_step)
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._start()

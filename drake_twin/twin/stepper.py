@@ -24,6 +24,7 @@ _log = logging.getLogger(__name__)
 _TERMINATED = SimulatorStatus.ReturnReason.kReachedTerminationCondition
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
 _LONGEST_ADVANCE = 1.0  # s that are simulated at one go, and once more when one of the steps fails
+_LONGEST_LAG = 0.01  # s of what is delivered without a stop
 
 
 class Stepper:
@@ -78,9 +79,11 @@ class Stepper:
             self.refuse_inside_callback("advance")
         self._thread = get_ident()
         session, clock = self._session, self._session.clock
+        start = clock.time
         end = target * clock.time_step if time is None else time
         try:
             while clock.step < target and not self.paused:
+                session.subscriptions.catch_up(clock.step)
                 if session.subscriptions.due_step <= clock.step:
                     session.subscriptions.deliver(clock.step)
                     if self.paused or session.alarm.requests:
@@ -97,9 +100,11 @@ class Stepper:
                     target = step_at(end, clock.time_step)
                     continue
                 self._advance_once(target)
+            session.subscriptions.catch_up(clock.step)
             if clock.next_time_step is not None:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:
+            session.simulated += clock.time - start
             self._thread = None
 
     def change_time_step(self) -> bool:
@@ -236,7 +241,8 @@ class Stepper:
     def _next_stop(self, target: int) -> int:
         """Return the next step at which something is due, the end of the longest advance, or the target."""
         session, clock = self._session, self._session.clock
-        longest = max(1, round(_LONGEST_ADVANCE / clock.time_step))
+        longest_advance = _LONGEST_ADVANCE if session.subscriptions.is_caught_up else _LONGEST_LAG
+        longest = max(1, round(longest_advance / clock.time_step))
         due = [
             target,
             clock.step + longest,

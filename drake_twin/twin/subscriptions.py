@@ -1,34 +1,36 @@
 """The subscriptions to a twin's topics, and the times of their deliveries."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil, floor, inf
-from operator import attrgetter
 from typing import Any
 
 from drake_twin.messages.draft import Draft
 from drake_twin.twin.schedule import step_at
 
-_due = attrgetter("due")
-
 
 class Subscription:
-    """A callback and the grid of simulation times, beginning with zero, at which it receives a topic's message.
+    """A callback and the grid of simulation times at which it receives a topic's message.
 
     Args:
         topic: The topic.
         callback: Called with the message.
         period: The grid's spacing (s); None for a message that never changes, which is delivered once.
-        time: The present time (s), at which the first message is delivered.
+        time: The present time (s), at which the first message is delivered, but drafts are delivered on the grid only.
         takes_drafts: Whether the callback is given drafts of the messages.
         delay: How long after its measurement a message is delivered (s); it is measured at points of the grid only.
             None for at once.
+        offset: The time of the first point of the grid (s).
+        draft_at: Drafts the message of any time (s), if it follows from the time alone: the simulation does not have to
+            stop for it, and it is delivered at the next stop.
 
     Attributes:
         due: The step of the next delivery, for the step length of the last `use`; infinite without one.
         is_latched: Whether its message never changes.
         delay: The delay (s).
         takes_drafts: Whether the callback is given drafts of the messages.
+        draft_at: Drafts the message of any time (s); None if the simulation has to stop for it.
+        publication: What tells the last message from the next one; None before the first.
     """
 
     def __init__(
@@ -40,13 +42,18 @@ class Subscription:
         *,
         takes_drafts: bool = False,
         delay: float | None = None,
+        offset: float = 0.0,
+        draft_at: Callable[[float], Draft] | None = None,
     ):
         self.topic = topic
         self.callback = callback
         self.delay = delay
+        self.draft_at = draft_at
         self.due: float = 0
         self.is_latched = period is None
         self.takes_drafts = takes_drafts
+        self.publication: Any = None
+        self._offset = offset
         self._period = period or inf
         self._next_point = self._last_point_before(time)
         self._latched: Any = None
@@ -56,7 +63,7 @@ class Subscription:
         if self.is_latched:
             self.due = 0 if self._next_point == 0 else inf
         else:
-            self.due = step_at(self._next_point * self._period, time_step)
+            self.due = step_at(self._offset + self._next_point * self._period, time_step)
 
     def pass_step(self, step: int, time_step: float) -> None:
         """Count a delivery at a step of a length (s), and move on to the next grid point."""
@@ -83,11 +90,14 @@ class Subscription:
 
     def begin(self, time: float) -> None:
         """Restart at a time (s) like a new subscription; call `use` afterwards."""
+        self.publication = None
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
-        """Return the last point of the grid that is not after a time; with a delay the first that is not before."""
-        return floor(time / self._period + 1e-9) if self.delay is None else ceil(time / self._period - 1e-9)
+        """Return the last point of the grid that is not after a time; where only points count the first not before."""
+        points = (time - self._offset) / self._period
+        is_at_once = self.delay is None and not self.takes_drafts
+        return floor(points + 1e-9) if is_at_once else ceil(points - 1e-9)
 
 
 @dataclass
@@ -99,6 +109,15 @@ class _LateMessage:
     draft: Draft
 
 
+@dataclass(eq=False)
+class _HeardTopic:
+    """A topic with a subscription for each port that it has: their functions that end them, and what makes more."""
+
+    topic: str
+    subscription_of: Callable[[str], Subscription]
+    ends: dict[str, Callable[[], None]]
+
+
 class Subscriptions:
     """All subscriptions of a twin; callbacks are called in the order of the subscriptions.
 
@@ -106,18 +125,25 @@ class Subscriptions:
         time_step: The physics step (s).
 
     Attributes:
+        ports_of: Returns the ports of a topic, which come and go with its publishers.
         read: Returns a reading of the present time.
-        draft: Drafts a topic's message from it; None without a message, or for an unknown topic.
-        due_step: The step at which the next delivery is due; infinite without one.
+        publication: Returns what tells a topic's message, as read, from an earlier one; None if it is new in any case.
+        draft: Drafts a topic's message from a reading; None without a message, or for an unknown topic.
+        due_step: The step at which the next delivery is due that the simulation has to stop for; infinite without one.
+        is_caught_up: Whether no message comes without a stop.
     """
 
     def __init__(self, time_step: float):
+        self.ports_of: Callable[[str], Iterable[str]] = lambda topic: ()
         self.read: Callable[[], Any] = lambda: None
+        self.publication: Callable[[str, Any], Any] = lambda topic, reading: None
         self.draft: Callable[[str, Any], Draft | None] = lambda topic, reading: None
         self._time_step = time_step
         self._items: list[Subscription] = []
         self._late: list[_LateMessage] = []
+        self._topics: list[_HeardTopic] = []
         self.due_step: float = inf
+        self.is_caught_up = True
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
         """Add a subscription; return a function that ends it."""
@@ -126,9 +152,35 @@ class Subscriptions:
         self._note_due_step()
         return lambda: self._end(subscription)
 
+    def add_topic(self, topic: str, subscription_of: Callable[[str], Subscription]) -> Callable[[], None]:
+        """Subscribe to all ports of a topic, also to those that it gets later; return a function that ends it.
+
+        Args:
+            topic: The topic.
+            subscription_of: Returns the subscription to one of its ports.
+        """
+        heard = _HeardTopic(topic, subscription_of, {})
+        self._topics.append(heard)
+        self._follow_ports()
+
+        def end() -> None:
+            if heard in self._topics:
+                self._topics.remove(heard)
+            for each in heard.ends.values():
+                each()
+
+        return end
+
+    def _follow_ports(self) -> None:
+        for heard in self._topics:
+            for port in self.ports_of(heard.topic):
+                if port not in heard.ends:
+                    heard.ends[port] = self.add(heard.subscription_of(port))
+
     def use(self, time_step: float) -> None:
-        """Count in steps of this length (s) from now on."""
+        """Count in steps of this length (s) from now on, and hear the ports that there are now."""
         self._time_step = time_step
+        self._follow_ports()
         for subscription in self._items:
             subscription.use(time_step)
         self._note_due_step()
@@ -138,15 +190,18 @@ class Subscriptions:
         while self.due_step <= step:
             reading = self.read()
             drafts: dict[str, Draft | None] = {}
-            for subscription in [item for item in self._items if item.due <= step]:
+            for subscription in [item for item in self._items if item.due <= step and item.draft_at is None]:
                 if subscription.due > step:  # ended meanwhile
                     continue
                 topic = subscription.topic
+                publication = self.publication(topic, reading)
+                subscription.pass_step(step, self._time_step)
+                if publication is not None and publication == subscription.publication:
+                    continue
+                subscription.publication = publication
                 if topic not in drafts:
                     drafts[topic] = self.draft(topic, reading)
-                draft = drafts[topic]
-                subscription.pass_step(step, self._time_step)
-                if draft is None:
+                if (draft := drafts[topic]) is None:
                     continue
                 if subscription.delay is None:
                     subscription.take(draft)
@@ -155,6 +210,16 @@ class Subscriptions:
             if self._late:
                 self._deliver_late(step)
             self._note_due_step()
+
+    def catch_up(self, step: int) -> None:
+        """Deliver the messages up to a step for which the simulation does not stop."""
+        if self.is_caught_up:
+            return
+        for subscription in [item for item in self._items if item.draft_at is not None]:
+            while subscription.draft_at is not None and subscription.due <= step:
+                draft = subscription.draft_at(subscription.due * self._time_step)
+                subscription.pass_step(int(subscription.due), self._time_step)
+                subscription.take(draft)
 
     def _deliver_late(self, step: int) -> None:
         for late in [item for item in self._late if step_at(item.time, self._time_step) <= step]:
@@ -187,6 +252,7 @@ class Subscriptions:
             self._note_due_step()
 
     def _note_due_step(self) -> None:
-        self.due_step = min(map(_due, self._items), default=inf)
+        self.is_caught_up = all(item.draft_at is None for item in self._items)
+        self.due_step = min((item.due for item in self._items if item.draft_at is None), default=inf)
         if self._late:
             self.due_step = min(self.due_step, *(step_at(item.time, self._time_step) for item in self._late))

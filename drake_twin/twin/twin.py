@@ -86,7 +86,7 @@ class Twin(Group, OldNames):
         super().__init__(*parts)
         self.entities, self.control = Entities(*parts), Control(*parts)
         self.graph, self.clock = Graph(*parts), TwinClock(*parts)
-        session.subscriptions.read, session.subscriptions.draft = self.graph.read, self.graph.draft
+        self.graph.feed(session.subscriptions)
         session.check_commands(self.graph.check)
 
     @property

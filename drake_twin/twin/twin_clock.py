@@ -26,6 +26,11 @@ class TwinClock(Group):
         return self._session.clock.step
 
     @property
+    def simulated(self) -> float:
+        """The time that has been simulated since the twin was made (s), also before resets and restored states."""
+        return self._session.simulated
+
+    @property
     def time_step(self) -> float:
         """The physics step (s)."""
         return self._session.clock.time_step

@@ -94,7 +94,10 @@ class _BagSender:
 
     Attributes:
         is_heard: Whether the topic is written.
+        keeps: Whether it keeps what it is sent, and needs nothing a second time.
     """
+
+    keeps = True
 
     def __init__(self, bag: BagWire, number: int, topic: WireEndpoint, is_wanted: bool):
         self.is_heard = is_wanted

@@ -15,11 +15,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from drake_twin.whole_file import write_whole
+
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, Qos
 
 HEAD = struct.Struct("<cIqI")
 TOPIC, MESSAGE = b"T", b"M"
+_DISTRIBUTION = "jazzy"
 
 
 def main() -> int:
@@ -28,6 +31,7 @@ def main() -> int:
         signal.signal(number, signal.SIG_IGN)
     try:
         write_bag(sys.argv[1], sys.stdin.buffer)
+        tell_distribution(Path(sys.argv[1]))
     except OSError as error:
         print(f"the bag {sys.argv[1]} ends here: {error.strerror or error}", file=sys.stderr)
         return 1
@@ -68,6 +72,12 @@ def write_bag(folder: str, source: BinaryIO) -> None:
                     rihs01=topic["hash"],
                     offered_qos_profiles=[_quality(topic["latched"])],
                 )
+
+
+def tell_distribution(folder: Path) -> None:
+    """Let a bag's metadata name the distribution of ROS whose messages it has; rosbags names itself."""
+    file = folder / "metadata.yaml"
+    write_whole(file, file.read_text("utf-8").replace("ros_distro: rosbags", f"ros_distro: {_DISTRIBUTION}"))
 
 
 def _quality(latched: bool) -> "Qos":

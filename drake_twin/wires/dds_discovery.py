@@ -1,4 +1,4 @@
-"""What other programs have on the graph over DDS, and what of it does not fit the twin's.
+"""What other programs have on the graph over DDS, what of it does not fit the twin's, and whether they are twins.
 
 DDS connects a reader and a writer of one topic only if their types have the same name, and says nothing otherwise.
 """
@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from drake_twin.messages.interface_types import type_hash
-from drake_twin.wires.rmw_dds_format import read_endpoint_data
+from drake_twin.messages.interface_types import deserialize, type_hash
+from drake_twin.wires.dds_endpoints import quality, reader
+from drake_twin.wires.rmw_dds_format import GRAPH_TOPIC, GRAPH_TYPE, endpoint_data, read_endpoint_data, ros_topic
 from drake_twin.wires.ros_names import dds_type, ros_type
 from drake_twin.wires.wire import WireEndpoint
 
@@ -47,7 +48,7 @@ class _Foreign:
 
 
 class Discovery:
-    """The readers and writers of other participants.
+    """The readers, writers and nodes of other participants.
 
     Args:
         participant: The participant.
@@ -65,11 +66,26 @@ class Discovery:
         self._readers = [builtin.BuiltinDataReader(participant, topic) for topic in topics]
         self.conditions = [ReadCondition(reader, SampleState.NotRead) for reader in self._readers]
         self._found: tuple[dict[Any, _Foreign], dict[Any, _Foreign]] = {}, {}  # readers, writers
+        qos = quality(endpoint_data(type_hash(GRAPH_TYPE)), latched=True, depth=None)  # the topic has no key
+        self._graph, condition = reader(participant, GRAPH_TOPIC, GRAPH_TYPE, qos)
+        self.conditions.append(condition)
+        self._nodes: dict[int, bytes] = {}  # writer → what its participant has told last of its nodes
         self._told: set[str] = set()
 
     def take(self) -> int:
         """Take note of what has come and gone; return how many of the conditions were met."""
-        return sum(self._take(reader, found) for reader, found in zip(self._readers, self._found, strict=True))
+        count = sum(self._take(reader, found) for reader, found in zip(self._readers, self._found, strict=True))
+        return count + self._take_nodes()
+
+    def topics_beside(self, node: str) -> list[str]:
+        """Return the topics of ROS that other participants with a node publish.
+
+        Args:
+            node: The node's full name.
+        """
+        writers = {writer for data in self._nodes.values() for writer in _writers_beside(data, node)}
+        topics = (ros_topic(item.topic) for key, item in self._found[1].items() if key.bytes in writers)
+        return sorted(filter(None, topics))
 
     def tell(self, ends: Iterable[End]) -> None:
         """Log which readers and writers of others are not connected with these, or differ, because of their types."""
@@ -95,10 +111,28 @@ class Discovery:
                 found[sample.key] = _Foreign(sample.topic_name, sample.type_name, _hash(sample.qos))
         return bool(samples)
 
+    def _take_nodes(self) -> bool:
+        samples = self._graph.take(_MOST_SAMPLES)  # one without data is about a participant that has gone
+        told = {item.sample_info.publication_handle: item.data for item in samples if getattr(item, "data", b"")}
+        known = self._graph.get_matched_publications()  # among them those that have told now may be later
+        self._nodes = {writer: data for writer, data in self._nodes.items() if writer in known} | told
+        return bool(samples)
+
     def _tell(self, text: str) -> None:
         if text not in self._told and len(self._told) < _MOST_LINES:
             self._told.add(text)
             _log.warning(text)
+
+
+def _writers_beside(data: bytes, node: str) -> set[bytes]:
+    """Return the GUIDs of all writers of a participant that tells of a node; none of any other."""
+    try:
+        nodes = deserialize(GRAPH_TYPE, data).node_entities_info_seq
+    except ValueError:  # of another release of ROS 2, or of no ROS
+        return set()
+    if not any(f"{item.node_namespace.rstrip('/')}/{item.node_name}" == node for item in nodes):
+        return set()
+    return {bytes(gid.data) for item in nodes for gid in item.writer_gid_seq}
 
 
 def _problem(end: End, other: _Foreign) -> str | None:

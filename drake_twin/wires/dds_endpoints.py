@@ -20,13 +20,13 @@ class Nothing:
         """Nothing is to be ended."""
 
 
-def quality(data: bytes, *, latched: bool = False, depth: int = 10) -> Any:
+def quality(data: bytes, *, latched: bool = False, depth: int | None = 10) -> Any:
     """Return the quality of service as ROS has it: reliable, and kept for late joiners if latched.
 
     Args:
         data: The user data of the reader or writer.
         latched: Whether late joiners get what was sent before.
-        depth: How many messages are kept.
+        depth: How many messages are kept; None for all.
     """
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
@@ -34,7 +34,7 @@ def quality(data: bytes, *, latched: bool = False, depth: int = 10) -> Any:
     return Qos(
         Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
-        Policy.History.KeepLast(depth),
+        Policy.History.KeepAll if depth is None else Policy.History.KeepLast(depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
         Policy.Userdata(data),

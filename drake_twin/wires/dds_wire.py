@@ -32,6 +32,7 @@ from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
 _log = logging.getLogger(__name__)
 LOOPBACK = "127.0.0.1"
 _PERIOD = 0.02  # s between two looks at who listens
+_DISCOVERY = 1.0  # s in which participants find one another
 
 
 class DdsWire:
@@ -77,6 +78,7 @@ class DdsWire:
         self._discovery: Any = Discovery(self._participant)
         for condition in self._discovery.conditions:
             self._waiting.attach(condition)
+        self._discovered = time.monotonic() + _DISCOVERY
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="drake_twin dds", daemon=True)
         self._thread.start()
@@ -108,6 +110,13 @@ class DdsWire:
         with self._lock:
             name = service_id(self._participant.guid.bytes, next(self._services))
             return self._follow(DdsServer(self, self._participant, service, name, answer))
+
+    def topics_beside(self, node: str) -> list[str]:
+        """Return the topics of other participants with a node; see `drake_twin.wires.other_twins`."""
+        self._is_closed.wait(max(0.0, self._discovered - time.monotonic()))  # they take some time to tell
+        with self._lock:
+            found: list[str] = self._discovery.topics_beside(node)
+        return found
 
     def close(self) -> None:
         """End the participant."""

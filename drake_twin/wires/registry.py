@@ -54,6 +54,13 @@ class WireKind:
         """
         raise NotImplementedError
 
+    def look_around(self, wire: "Wire", twin: "Twin") -> None:
+        """Look who else is there, before the wire is connected with its first twin.
+
+        Raises:
+            InputError: If the twin cannot be beside them.
+        """
+
     def connected(self, options: argparse.Namespace, twin: "Twin") -> None:
         """Do what is to be done with a twin that the wire is about to be connected with."""
 

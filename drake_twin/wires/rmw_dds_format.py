@@ -43,6 +43,11 @@ def topic_name(topic: str) -> str:
     return f"rt{topic}"
 
 
+def ros_topic(name: str) -> str:
+    """Return the topic with a DDS name; empty if it is not a topic of ROS."""
+    return name.removeprefix("rt") if name.startswith("rt/") else ""
+
+
 def request_topic(service: str) -> str:
     """Return the DDS name of the topic of a service's requests."""
     return f"rq{service}Request"

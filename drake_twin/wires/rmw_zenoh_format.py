@@ -108,6 +108,11 @@ def read_token(token: str) -> GraphEntity | None:
     return GraphEntity(kind, full, name.replace("%", "/"), ros_type(dds), type_hash, qos.split(":")[1:2] == ["1"])
 
 
+def session_of(token: str) -> str:
+    """Return the id of the Zenoh session that a liveliness token is of."""
+    return token.split("/")[2]
+
+
 def graph_key(domain: int | str) -> str:
     """Return the key expression of all liveliness tokens of a domain; of all domains with ``*``."""
     return f"@ros2_lv/{domain}/**"

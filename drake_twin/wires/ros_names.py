@@ -5,7 +5,7 @@ import re
 
 from drake_twin.errors import InputError
 
-_LARGEST_DOMAIN = 232  # docs.ros.org, "The ROS_DOMAIN_ID": DDS has no ports for more
+LARGEST_DOMAIN = 232  # docs.ros.org, "The ROS_DOMAIN_ID": DDS has no ports for more
 
 
 def is_name(name: str) -> bool:
@@ -33,6 +33,6 @@ def domain_of_environment() -> int:
     text = os.environ.get("ROS_DOMAIN_ID", "").strip()
     if not text:
         return 0
-    if not text.isascii() or not text.isdigit() or int(text) > _LARGEST_DOMAIN:
-        raise InputError(f"ROS_DOMAIN_ID={text}: a ROS domain is a whole number from 0 to {_LARGEST_DOMAIN}")
+    if not text.isascii() or not text.isdigit() or int(text) > LARGEST_DOMAIN:
+        raise InputError(f"ROS_DOMAIN_ID={text}: a ROS domain is a whole number from 0 to {LARGEST_DOMAIN}")
     return int(text)

@@ -12,10 +12,12 @@ from dataclasses import dataclass, field
 from functools import partial
 from queue import SimpleQueue
 from threading import Event, Thread
+from time import monotonic
 from typing import Any, Protocol
 
 import numpy as np
 
+from drake_twin.diagram.topics import CLOCK
 from drake_twin.errors import TwinError
 from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
@@ -26,6 +28,7 @@ from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEn
 _log = logging.getLogger(__name__)
 _MOST_WAITING = 10_000  # messages for the sender's thread; more make the simulation wait
 _MOST_LINES = 1000  # of the log
+_REPETITION = 0.1  # s of wall time between two messages of a paused clock
 _TOO_MANY = "too many requests wait"
 
 
@@ -91,7 +94,8 @@ class Seam:
         self._commanded: set[str] = set()
         self._has_changed = False
         self._logged: set[tuple[str, str]] = set()
-        self._queue: SimpleQueue[tuple[_Topic, Draft, float] | Event | None] = SimpleQueue()
+        self._next_repetition = 0.0
+        self._queue: SimpleQueue[tuple[_Topic, Draft, float, bool] | Event | None] = SimpleQueue()
         self._has_room = Event()
         self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
         self._thread.start()
@@ -129,6 +133,7 @@ class Seam:
             self._endpoints, self._loaded = endpoints, loaded
             self._keep_topics(endpoints)
             self._follow_listeners()
+        self._repeat_clock()
         if self._actions is not None:
             for name, fields in self._actions.news():
                 topic = self._topics[name]
@@ -190,11 +195,23 @@ class Seam:
 
     # Out -------------------------------------------------------------------------------------------------------------
 
-    def _hand_over(self, topic: _Topic, draft: Draft) -> None:
+    def _repeat_clock(self) -> None:
+        """Send the time of a paused twin again and again, as Gazebo does: who comes late would wait for ever."""
+        topic = self._topics.get(CLOCK)
+        if topic is None or not self._twin.clock.paused or not any(sender.is_heard for sender in topic.senders):
+            return
+        if (now := monotonic()) >= self._next_repetition:
+            self._next_repetition = now + _REPETITION
+            graph = self._twin.graph
+            if (draft := graph.draft(CLOCK, graph.read())) is not None:
+                self._hand_over(topic, draft, is_repeated=True)
+
+    def _hand_over(self, topic: _Topic, draft: Draft, *, is_repeated: bool = False) -> None:
         while self._queue.qsize() > _MOST_WAITING:  # the simulation waits
             self._has_room.clear()
             self._has_room.wait(0.1)
-        self._queue.put((topic, draft, self._twin.time))
+        time = self._twin.time if draft.time is None else draft.time
+        self._queue.put((topic, draft, time, is_repeated))
 
     def send(self, name: str, message: Any) -> None:
         """Send a message that a node program has published, if anybody listens."""
@@ -208,12 +225,12 @@ class Seam:
             if isinstance(item, Event):
                 item.set()
                 continue
-            topic, draft, time = item
+            topic, draft, time, is_repeated = item
             try:
                 if (data := draft.serialized()) is None:
                     continue
                 for sender in topic.senders:
-                    if sender.is_heard:
+                    if sender.is_heard and not (is_repeated and getattr(sender, "keeps", False)):
                         sender.send(data, round(time * 1e9))
             except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
                 self._log(topic.endpoint.name, f"a message is not sent: {error}")

@@ -12,7 +12,6 @@ from drake_twin.wires.rmw_zenoh_format import (
     GraphEntity,
     Qos,
     attachment,
-    graph_key,
     read_token,
     topic_key,
 )
@@ -40,12 +39,12 @@ class ZenohClient(ZenohWire):
 
     def entities(self) -> list[GraphEntity]:
         """Return the nodes and endpoints of the domain."""
-        entities = (read_token(token) for token in self._tokens(self.domain))
+        entities = (read_token(token) for token in self.tokens(self.domain))
         return [entity for entity in entities if entity is not None]
 
     def domains(self) -> list[int]:
         """Return the domains in which there is a node."""
-        numbers = {token.split("/")[1] for token in self._tokens("*")}
+        numbers = {token.split("/")[1] for token in self.tokens("*")}
         return sorted(int(number) for number in numbers if number.isdigit())
 
     def call(self, service: WireEndpoint, request: bytes, timeout: float) -> bytes:
@@ -81,10 +80,6 @@ class ZenohClient(ZenohWire):
         if reply.ok is None:
             raise InputError(f"{service.name}: {reply.err.payload.to_bytes().decode(errors='replace')}")
         return bytes(reply.ok.payload.to_bytes())
-
-    def _tokens(self, domain: int | str) -> list[str]:
-        replies = self._session.liveliness().get(graph_key(domain))
-        return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
 
 def _next(replies: "queue.SimpleQueue[Any]") -> Any:

@@ -18,7 +18,10 @@ from drake_twin.wires.rmw_zenoh_format import (
     any_type_key,
     attachment,
     gid,
+    graph_key,
     read_attachment,
+    read_token,
+    session_of,
     topic_key,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name, ros_type
@@ -88,6 +91,21 @@ class ZenohWire:
         if not _has_name(service):
             return _Nothing()
         return _Server(self._session, self._graph, service, answer)
+
+    def tokens(self, domain: int | str) -> list[str]:
+        """Return the liveliness tokens of a domain; of all domains with ``*``."""
+        replies = self._session.liveliness().get(graph_key(domain))
+        return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+
+    def topics_beside(self, node: str) -> list[str]:
+        """Return the topics of other sessions with a node; see `drake_twin.wires.other_twins`."""
+        entities = [(session_of(token), read_token(token)) for token in self.tokens(self.domain)]
+        sessions = {session for session, item in entities if item is not None and item.node == node}
+        return sorted(
+            item.name
+            for session, item in entities
+            if item is not None and item.kind == PUBLISHER and session in sessions
+        )
 
     def close(self) -> None:
         """End the session: an open one keeps the process alive.

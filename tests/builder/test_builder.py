@@ -94,6 +94,7 @@ OTHERS = {  # a value for each field of `Robot` that is not its default, as a pr
     "command_delay": (0.01, 0.01),
     "measurement_delay": (0.02, 0.02),
     "noise": (0, 0.0),
+    "publish_frequency": (50, 50.0),
 }
 
 

@@ -13,8 +13,8 @@ from drake_twin.scenario import (
     ScenarioError,
     StaticTransform,
     World,
+    name_in_twin,
 )
-from drake_twin.scenario.scenario import name_in_twin
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
 FULL = Scenario(

@@ -741,3 +741,15 @@ def test_a_closed_twin_is_freed():
             twin.advance_to(0.01)
         del twin
     assert living(LeafSystem) == before
+
+
+def test_the_simulated_time_counts_what_was_before_a_reset(twin):
+    before = twin.clock.simulated
+    twin.advance_to(0.5)
+    snapshot = twin.snapshot()
+    twin.reset()
+    twin.advance_to(0.2)
+    twin.restore(snapshot)
+    twin.step(100)
+    assert twin.clock.simulated - before == pytest.approx(0.8)
+    assert twin.time == pytest.approx(0.6)

@@ -55,10 +55,11 @@ def test_two_readers_find_the_same_messages(tmp_path):
     assert values == positions
     kept = {topic: (offered[topic].depth, offered[topic].durability.name) for topic in ("/tf", "/tf_static")}
     assert kept == {"/tf": (10, "VOLATILE"), "/tf_static": (1, "TRANSIENT_LOCAL")}  # what ros2 bag play offers again
-    assert counts["/clock"] == 100
+    assert counts["/clock"] == 1001  # each step, the last one too
     assert counts["/tf"] == 20
     assert counts["/robot_1/robot_description"] == 1
     assert "/model_states" not in counts
+    assert "ros_distro: jazzy\n" in (tmp_path / "bag" / "metadata.yaml").read_text()
     other = [item for item in decoded_messages(tmp_path / "bag" / "bag.mcap") if item.channel.topic == STATES]
     assert [list(item.decoded_message.position) for item in other] == positions
     assert sum(1 for _ in decoded_messages(tmp_path / "bag" / "bag.mcap")) == sum(counts.values())

@@ -5,7 +5,7 @@ from conftest import ROVER, rovers
 from wires.foxglove_client import foxglove_client
 from wires.ros_client import while_running
 
-from drake_twin.scenario.scenario import Robot
+from drake_twin.scenario import Robot
 from drake_twin.services.graph import connect
 from drake_twin.wires.foxglove_graph import FoxgloveGraph
 from drake_twin.wires.foxglove_wire import FoxgloveWire

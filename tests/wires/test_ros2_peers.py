@@ -83,12 +83,12 @@ def test_joint_states_without_a_gap(twin, client):
     assert heard.items[0].name == twin.joint_states("robot_1").name
 
 
-def test_clock_at_100_hz(twin, client):
+def test_the_clock_ticks_with_each_physics_step(twin, client):
     heard = Heard()
     client.subscribe("/clock", "rosgraph_msgs/msg/Clock", heard)
     while_running(twin, lambda: heard.wait_for(50))
     times = [item.clock.sec * 1_000_000_000 + item.clock.nanosec for item in heard.items]
-    assert {after - before for before, after in pairwise(times[1:])} == {10_000_000}
+    assert {after - before for before, after in pairwise(times[1:])} == {1_000_000}
 
 
 def test_500_of_500_commands_are_applied_and_replayed(twin, client):

@@ -35,13 +35,15 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
     for tag, values in (("wheel_separation", separations), ("wheel_diameter", diameters)):
         if min(values) <= 0.0:
             raise plugin.error(f"<{tag}> is {min(values):g}, which is not above zero")
+    rate = as_rate(plugin.number("update_rate", 100.0))
     parameters = _classic_odometry(plugin) | {
+        "update_rate": rate,
         "left_wheel_names": list(left),
         "right_wheel_names": list(right),
         "wheel_separation": separations[0],
         "wheel_radius": 0.5 * diameters[0],
         "cmd_vel_timeout": 0.0,
-        "publish_rate": as_rate(plugin.number("update_rate", 100.0)),
+        "publish_rate": rate,
         "velocity_rolling_window_size": 1,
         "tf_frame_prefix_enable": False,
     }
@@ -68,6 +70,7 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
         efforts=dict.fromkeys((*left, *right), plugin.number("max_wheel_torque", 5.0)),
         true_odometry=_SOURCES.get(source) == 1
         or (source not in _SOURCES and plugin.number("odometry_source", 1.0) == 1),
+        odometry_rate=rate,
         warnings=tuple(warnings),
     )
 
@@ -84,8 +87,9 @@ def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
     if radius is None:
         raise CannotWorkError(f"the radius is unknown: the wheel of joint {wheels[2]!r} has no cylinder or sphere")
     wheelbase = dist(0.5 * (front_right + front_left), 0.5 * (rear_right + rear_left))
-    speed = plugin.number("max_speed", 20.0)
+    speed, rate = plugin.number("max_speed", 20.0), as_rate(plugin.number("update_rate", 100.0))
     parameters = _classic_odometry(plugin) | {
+        "update_rate": rate,
         "traction_joints_names": list(wheels[2:]),
         "steering_joints_names": list(steering),
         "reference_timeout": FOR_EVER,
@@ -106,6 +110,7 @@ def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
         topics=plugin.ros_topics({"reference_unstamped": "cmd_vel", "odometry": "odom" if odometry else None}),
         interfaces=(*((joint, "velocity") for joint in wheels[2:]), *((joint, "position") for joint in steering)),
         true_odometry=True,
+        odometry_rate=rate,
         warnings=tuple(f"<{tag}> is not supported" for tag in unused if plugin.flag(tag, False)),
     )
 
@@ -113,8 +118,9 @@ def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
 @gazebo_plugin("libgazebo_ros_planar_move.so")
 def gazebo_ros_planar_move(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``libgazebo_ros_planar_move.so`` to the twin's own controller of a base in the plane."""
+    rate = as_rate(plugin.number("publish_rate", 20.0))
     parameters = _classic_odometry(plugin) | {
-        "publish_rate": as_rate(plugin.number("publish_rate", 20.0)),
+        "publish_rate": rate,
         "enable_odom_tf": plugin.flag("publish_odom_tf", True),
     }
     odometry = plugin.flag("publish_odom", True)
@@ -124,6 +130,7 @@ def gazebo_ros_planar_move(plugin: DrivePlugin) -> GazeboDrive:
         topics=plugin.ros_topics({"cmd_vel_unstamped": "cmd_vel", "odom": "odom" if odometry else None}),
         interfaces=PLANAR_INTERFACES,
         true_odometry=True,
+        odometry_rate=rate,
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from math import atan, inf, sin
 from typing import Any
 
+from drake_twin.description.controllers_yaml import DEFAULT_UPDATE_RATE
 from drake_twin.description.gazebo_drive import (
     FOR_EVER,
     PLANAR_INTERFACES,
@@ -27,13 +28,14 @@ def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
     left, right = plugin.joints("left_joint"), plugin.joints("right_joint")
     if len(left) != len(right):
         raise CannotWorkError(f"there are {len(left)} left and {len(right)} right joints")
-    parameters = _gz_odometry(plugin) | {
+    rate = _odometry_rate(plugin)
+    parameters = _gz_odometry(plugin, rate) | {
         "left_wheel_names": list(left),
         "right_wheel_names": list(right),
         "wheel_separation": plugin.number("wheel_separation", 1.0),
         "wheel_radius": plugin.number("wheel_radius", 0.2),
         "cmd_vel_timeout": 0.0,
-        "publish_rate": as_rate(plugin.number("odom_publish_frequency", 50.0)),
+        "publish_rate": rate,
         "tf_frame_prefix_enable": not plugin.has("frame_id"),
         "linear": {"x": _gz_limits(plugin, "linear")},
         "angular": {"z": _gz_limits(plugin, "angular")},
@@ -43,6 +45,7 @@ def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
         parameters,
         {"cmd_vel_unstamped": ("topic", "cmd_vel"), "odom": _ODOMETRY} | _TF,
         interfaces=tuple((joint, "velocity") for joint in (*left, *right)),
+        odometry_rate=rate,
     )
 
 
@@ -59,9 +62,9 @@ def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
         wheels[f"{here}_wheel_command_joint_name"], *more = plugin.joints(f"{there}_joint")
         if more:
             raise CannotWorkError(f"there are {1 + len(more)} <{there}_joint>, but only four wheels are supported")
-    limits = _gz_limits(plugin)
+    limits, rate = _gz_limits(plugin), _odometry_rate(plugin)
     parameters = (
-        _gz_odometry(plugin)
+        _gz_odometry(plugin, rate)
         | wheels
         | {
             "reference_timeout": FOR_EVER,
@@ -80,6 +83,7 @@ def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
         parameters,
         {"reference_unstamped": ("topic", "cmd_vel"), "odometry": _ODOMETRY} | _TF,
         interfaces=tuple((joint, "velocity") for joint in wheels.values()),
+        odometry_rate=rate,
     )
 
 
@@ -96,7 +100,8 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
         driven.append((fixed or joints)[0])
         if len(joints) > 1:
             warnings.append(f"of <{tag}> {', '.join(joints)} the twin drives {driven[-1]}; the others roll")
-    parameters = _gz_odometry(plugin) | {
+    rate = _odometry_rate(plugin)
+    parameters = _gz_odometry(plugin, rate) | {
         "traction_joints_names": driven,
         "steering_joints_names": list(steering),
         "reference_timeout": FOR_EVER,
@@ -114,6 +119,7 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
         parameters,
         {"reference_unstamped": ("topic", plugin.text("sub_topic", "cmd_vel")), "odometry": _ODOMETRY} | _TF,
         interfaces=(*((joint, "velocity") for joint in driven), *((joint, "position") for joint in steering)),
+        odometry_rate=rate,
         warnings=tuple(warnings),
     )
 
@@ -133,8 +139,15 @@ def velocity_control_system(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
-def _gz_odometry(plugin: DrivePlugin) -> dict[str, Any]:
-    return {
+def _odometry_rate(plugin: DrivePlugin) -> float:
+    """Return the rate at which a drive publishes its odometry (Hz)."""
+    return as_rate(plugin.number("odom_publish_frequency", 50.0))
+
+
+def _gz_odometry(plugin: DrivePlugin, rate: float = 0.0) -> dict[str, Any]:
+    """Return the parameters of the odometry; a drive is updated at least at its rate (Hz)."""
+    more = {"update_rate": rate} if rate > DEFAULT_UPDATE_RATE else {}
+    return more | {
         "odom_frame_id": plugin.text("frame_id", "odom"),
         "base_frame_id": plugin.text("child_frame_id", plugin.description.root_link),
         "enable_odom_tf": True,

@@ -1,12 +1,12 @@
 """The systems of gz-sim that publish where a model is, as controllers that command nothing."""
 
-from drake_twin.description.controllers_yaml import HIGHEST_RATE
 from drake_twin.description.gazebo_drive import (
     ODOMETRY_PUBLISHER,
     POSE_PUBLISHER,
     CannotWorkError,
     DrivePlugin,
     GazeboDrive,
+    as_rate,
     gazebo_plugin,
 )
 
@@ -32,8 +32,8 @@ def odometry_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
         "rpy_offset": list(plugin.vector("rpy_offset")),
         "gaussian_noise": noise,
         "tf_frame_prefix_enable": not plugin.has("odom_frame"),
+        "update_rate": as_rate(plugin.number("odom_publish_frequency", 50.0)),
     }
-    parameters |= _rate(plugin, "odom_publish_frequency", 50.0)
     names = {
         "odom": ("odom_topic", "odometry"),
         "odom_with_covariance": ("odom_covariance_topic", "odometry_with_covariance"),
@@ -54,7 +54,8 @@ def pose_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
     parameters = {
         "publish_link_pose": plugin.flag("publish_link_pose", True),
         "publish_model_pose": plugin.flag("publish_model_pose", nested) and nested,  # as gz-sim reads the two
-    } | _rate(plugin, "update_frequency", -1.0)
+        "update_rate": as_rate(plugin.number("update_frequency", -1.0)),
+    }
     others = ("publish_visual_pose", "publish_collision_pose", "publish_sensor_pose")
     warnings = [f"<{tag}> is not supported" for tag in others if plugin.flag(tag, False)]
     if not plugin.flag("use_pose_vector_msg", False):
@@ -69,9 +70,3 @@ def pose_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
         gz_topics={"pose": "/model/{model}/pose"},
         warnings=tuple(warnings),
     )
-
-
-def _rate(plugin: DrivePlugin, tag: str, default: float) -> dict[str, float]:
-    """Return the rate of a publisher (Hz); one that publishes in each step does so as often as the controllers here."""
-    rate = plugin.number(tag, default)
-    return {"update_rate": rate} if 0.0 < rate < HIGHEST_RATE else {}

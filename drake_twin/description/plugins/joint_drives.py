@@ -11,6 +11,7 @@ from drake_twin.description.gazebo_drive import (
     DrivePlugin,
     GazeboDrive,
     Servo,
+    as_rate,
     gazebo_plugin,
 )
 
@@ -36,9 +37,8 @@ def _joint_states(
     plugin: DrivePlugin, joints: tuple[str, ...], rate: float, topics: dict[str, str], gz_topics: dict[str, str]
 ) -> GazeboDrive:
     joints = joints or tuple(joint.name for joint in plugin.description.movable_joints)
-    parameters: dict[str, Any] = {"joints": list(joints), "interfaces": ["position", "velocity"]}
+    parameters = {"joints": list(joints), "interfaces": ["position", "velocity"], "update_rate": as_rate(rate)}
     kind = "joint_state_broadcaster/JointStateBroadcaster"
-    parameters |= {"update_rate": int(rate)} if rate >= 1.0 else {}
     return plugin.drive(kind, parameters, topics=topics, gz_topics=gz_topics)
 
 

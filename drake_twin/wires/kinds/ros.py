@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from drake_twin.errors import InputError
 from drake_twin.program import say
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 _TRANSPORTS = ("zenoh", "dds")
 _OF_ZENOH = ("ros_port", "ros_router", "lockstep")
+_OF_ANY = ("ros_host", "ros_domain", "ros_namespace")
 _PORT = 7447
 
 
@@ -39,6 +40,12 @@ class RosKind(WireKind):
         )
         group.add_argument("--ros-port", type=int, metavar="PORT", help=f"the router's port (default: {_PORT})")
         group.add_argument("--ros-router", metavar="HOST", help="connect to the Zenoh router on HOST or HOST:PORT")
+        group.add_argument("--ros-domain", type=int, metavar="N", help="the ROS domain (default: ROS_DOMAIN_ID, or 0)")
+        group.add_argument(
+            "--ros-namespace",
+            metavar="NAME",
+            help="put a namespace before all topics, services and nodes, so that two twins can be on one domain",
+        )
         group.add_argument(
             "--lockstep",
             action="store_true",
@@ -47,9 +54,10 @@ class RosKind(WireKind):
 
     def check(self, options: argparse.Namespace) -> None:
         """Check its options."""
-        unused = {None: ("ros_host", *_OF_ZENOH), "dds": _OF_ZENOH}.get(options.ros, ())
+        unused = {None: (*_OF_ANY, *_OF_ZENOH), "dds": _OF_ZENOH}.get(options.ros, ())
         for name in unused:
-            if getattr(options, name):
+            value = getattr(options, name)
+            if value not in (None, "") and value is not False:
                 graph = "the ROS 2 graph" if options.ros is None else "the ROS 2 graph over Zenoh"
                 raise InputError(f"--{name.replace('_', '-')} is about {graph}: it needs --ros zenoh")
         if options.ros_port is not None and not 1024 <= options.ros_port <= 65535:
@@ -57,9 +65,15 @@ class RosKind(WireKind):
         if options.ros_router is not None and options.ros_host is not None:
             raise InputError("--ros-router connects to a router, and --ros-host makes the twin one: give one of them")
         if options.ros is not None:
-            from drake_twin.wires.ros_names import domain_of_environment
+            from drake_twin.wires.ros_names import LARGEST_DOMAIN, domain_of_environment, is_name
 
-            domain_of_environment()
+            if options.ros_domain is None:
+                domain_of_environment()
+            elif not 0 <= options.ros_domain <= LARGEST_DOMAIN:
+                raise InputError(f"--ros-domain {options.ros_domain}: a ROS domain is from 0 to {LARGEST_DOMAIN}")
+            if options.ros_namespace is not None and not is_name(_namespace(options)):
+                what = "it is not a namespace: use letters, digits and '_', with '/' between names"
+                raise InputError(f"--ros-namespace {options.ros_namespace}: {what}")
 
     def is_wanted(self, options: argparse.Namespace) -> bool:
         """Tell whether the options ask for it."""
@@ -67,18 +81,35 @@ class RosKind(WireKind):
 
     def open(self, options: argparse.Namespace, asset: Asset, *, is_first: bool) -> "Wire":
         """Open it, and say where."""
-        return (_open_dds if options.ros == "dds" else _open_zenoh)(options, is_first)
+        wire = (_open_dds if options.ros == "dds" else _open_zenoh)(options, is_first)
+        if options.ros_namespace is None:
+            return wire
+        from drake_twin.wires.namespaced_wire import NamespacedWire
+
+        return NamespacedWire(wire, _namespace(options))
+
+    def look_around(self, wire: "Wire", twin: "Twin") -> None:
+        """Refuse a second twin with the same topics."""
+        from drake_twin.twin.endpoints import PUBLISHED
+        from drake_twin.wires.other_twins import SeesGraph, refuse_other_twin
+
+        names = [item.name for item in twin.graph.endpoints if item.kind == PUBLISHED]
+        refuse_other_twin(cast(SeesGraph, wire), names)
 
     def connected(self, options: argparse.Namespace, twin: "Twin") -> None:
         """Let time wait for requests of steps, if that is asked for."""
         twin.frames.lockstep = options.lockstep
 
 
+def _namespace(options: argparse.Namespace) -> str:
+    return f"/{options.ros_namespace.strip('/')}"
+
+
 def _open_zenoh(options: argparse.Namespace, is_first: bool) -> "Wire":
     from drake_twin.wires.zenoh_wire import ZenohWire
 
     host, port = options.ros_host or "127.0.0.1", options.ros_port or _PORT
-    wire = ZenohWire(host=host, port=port, router=options.ros_router)
+    wire = ZenohWire(options.ros_domain, host, port, options.ros_router)
     if is_first:
         say(f"ros: domain {wire.domain} over Zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp), {wire.place}")
         _say_that_it_is_open("port")
@@ -88,7 +119,7 @@ def _open_zenoh(options: argparse.Namespace, is_first: bool) -> "Wire":
 def _open_dds(options: argparse.Namespace, is_first: bool) -> "Wire":
     from drake_twin.wires.dds_wire import LOOPBACK, DdsWire
 
-    wire = DdsWire(host=options.ros_host or LOOPBACK)
+    wire = DdsWire(options.ros_domain, options.ros_host or LOOPBACK)
     if is_first:
         say(f"ros: domain {wire.domain} over DDS (RMW_IMPLEMENTATION=rmw_cyclonedds_cpp), {wire.place}")
         say("ros: other middlewares over DDS have the topics; services, actions and parameters are not for them")
