@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 
 @dataclass(eq=False)
@@ -47,6 +47,21 @@ class Reception:
 
 
 @dataclass(eq=False)
+class Caller:
+    """A service that a node asks.
+
+    Attributes:
+        name: Its full name.
+        type: Its ROS type.
+        node: The full name of the node that asks.
+    """
+
+    name: str
+    type: str
+    node: str
+
+
+@dataclass(eq=False)
 class Offer:
     """A service that a node offers.
 
@@ -61,3 +76,16 @@ class Offer:
     type: str
     node: str
     put: Callable[[Any, Callable[[Any], None]], None]
+
+
+class GoalListener(Protocol):
+    """Who has sent a goal."""
+
+    def answered(self, is_accepted: bool) -> None:
+        """Take note of whether the goal has been accepted."""
+
+    def heard(self, feedback: Any) -> None:
+        """Take note of feedback."""
+
+    def ended(self, status: int, result: Any) -> None:
+        """Take note of the goal's end; without a result it is None."""

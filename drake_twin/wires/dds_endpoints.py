@@ -3,6 +3,7 @@
 from typing import Any
 
 from drake_twin.wires.rmw_dds_format import sample_type
+from drake_twin.wires.wire import Reply
 
 MOST_SAMPLES = 100  # that are taken from a reader at once
 _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
@@ -11,7 +12,10 @@ _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
 class Nothing:
     """Stands for what is not on the graph."""
 
-    is_heard = False
+    is_heard = is_there = False
+
+    def ask(self, request: bytes, answered: Reply) -> None:
+        """Ask nobody."""
 
     def send(self, data: bytes, at: int) -> None:
         """Send nothing."""
@@ -38,6 +42,7 @@ def quality(data: bytes, *, latched: bool = False, depth: int = 10) -> Any:
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
         Policy.Userdata(data),
+        Policy.IgnoreLocal.Participant,  # the seam knows what the twin has itself
     )
 
 
