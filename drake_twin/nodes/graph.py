@@ -230,10 +230,27 @@ class Graph:
         for topic, publications in self.publications.items():
             if topic not in self._published:
                 first = publications[0]
-                yield Endpoint(PUBLISHED, topic, first.type, first.node, latched=bool(first.depth))
+                best_effort = all(item.is_best_effort for item in publications)
+                yield Endpoint(
+                    PUBLISHED,
+                    topic,
+                    first.type,
+                    first.node,
+                    latched=bool(first.depth),
+                    is_best_effort=best_effort,
+                )
         for topic, receptions in self.receptions.items():
             if topic not in self._commanded:
-                yield Endpoint(COMMANDED, topic, receptions[0].type, receptions[0].node)
+                best_effort = any(item.is_best_effort for item in receptions)
+                latched = all(item.wants_latched for item in receptions)
+                yield Endpoint(
+                    COMMANDED,
+                    topic,
+                    receptions[0].type,
+                    receptions[0].node,
+                    latched=latched,
+                    is_best_effort=best_effort,
+                )
 
     def topics(self) -> dict[str, list[str]]:
         """Return topic → its types."""

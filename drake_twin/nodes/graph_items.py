@@ -16,6 +16,7 @@ class Publication:
         node: The full name of the node.
         depth: The number of messages that late subscribers get; zero for none.
         latched: These messages.
+        is_best_effort: Whether messages may be lost.
     """
 
     topic: str
@@ -23,6 +24,7 @@ class Publication:
     node: str
     depth: int = 0
     latched: deque[Any] = field(default_factory=deque)
+    is_best_effort: bool = False
 
 
 @dataclass(eq=False)
@@ -36,6 +38,7 @@ class Reception:
         put: Takes a message.
         wants_latched: Whether it gets what was published before.
         end: Ends the subscription to the twin's topic; None without one.
+        is_best_effort: Whether messages may be lost.
     """
 
     topic: str
@@ -44,6 +47,7 @@ class Reception:
     put: Callable[[Any], None]
     wants_latched: bool = False
     end: Callable[[], None] | None = None
+    is_best_effort: bool = False
 
 
 @dataclass(eq=False)

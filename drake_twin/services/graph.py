@@ -98,6 +98,12 @@ class GraphServices:
         if self._graph is not None:
             self._graph.hear(topic, message)
 
+    def kept(self, topic: str) -> Iterator[Any]:
+        """Yield the messages of node programs that late joiners get."""
+        if self._graph is not None:
+            for publication in self._graph.publications.get(topic, ()):
+                yield from publication.latched
+
     def wanted(self) -> Iterator["Caller"]:
         """Yield the services of other programs that node programs ask."""
         if self._graph is not None:

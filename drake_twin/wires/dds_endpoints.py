@@ -24,19 +24,22 @@ class Nothing:
         """Nothing is to be ended."""
 
 
-def quality(data: bytes, *, latched: bool = False, depth: int = 10) -> Any:
-    """Return the quality of service as ROS has it: reliable, and kept for late joiners if latched.
+def quality(data: bytes, *, latched: bool = False, depth: int = 10, is_best_effort: bool = False) -> Any:
+    """Return the quality of service as ROS has it: reliable by default, and kept for late joiners if latched.
 
     Args:
         data: The user data of the reader or writer.
         latched: Whether late joiners get what was sent before.
         depth: How many messages are kept.
+        is_best_effort: Whether messages may be lost.
     """
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
 
     return Qos(
-        Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
+        Policy.Reliability.BestEffort
+        if is_best_effort
+        else Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
         Policy.History.KeepLast(depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),

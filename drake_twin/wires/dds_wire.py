@@ -87,7 +87,7 @@ class DdsWire:
         if not _can_be(topic, topic.type):
             return Nothing()
         with self._lock:
-            qos = quality(endpoint_data(topic.hash), latched=topic.latched, depth=1 if topic.latched else 10)
+            qos = _quality(topic)
             sender = _Sender(self, topic, writer(self._participant, topic_name(topic.name), topic.type, qos), listened)
             self._senders.append(sender)
             self._has_changed = True
@@ -98,8 +98,7 @@ class DdsWire:
         if not _can_be(topic, topic.type):
             return Nothing()
         with self._lock:
-            qos = quality(endpoint_data(topic.hash))
-            made = reader(self._participant, topic_name(topic.name), topic.type, qos)
+            made = reader(self._participant, topic_name(topic.name), topic.type, _quality(topic))
             return self._follow(_Listener(self, topic, *made, heard))
 
     def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
@@ -193,6 +192,11 @@ class DdsWire:
             nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
         entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
         self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
+
+
+def _quality(topic: WireEndpoint) -> Any:
+    depth, may_lose = 1 if topic.latched else 10, topic.is_best_effort
+    return quality(endpoint_data(topic.hash), latched=topic.latched, depth=depth, is_best_effort=may_lose)
 
 
 def _can_be(endpoint: WireEndpoint, *types: str) -> bool:

@@ -53,6 +53,9 @@ class WiredActions(Protocol):
     def hear(self, topic: str, message: Any) -> None:
         """Take a message that a wire has heard."""
 
+    def kept(self, topic: str) -> Iterable[Any]:
+        """Return the messages that late joiners get, of those published before the topic was offered."""
+
     def wanted(self) -> Iterable[Any]:
         """Return the services of other programs that are asked: their names, types and nodes."""
 
@@ -162,6 +165,8 @@ class Seam:
             self._topics[name] = topic = _Topic(offered[name], is_of_twin=offered[name] in endpoints)
             wired = _wired(offered[name])
             topic.senders += [wire.advertise(wired, self._note_listeners) for wire in self._wires]
+            for message in self._actions.kept(name) if self._actions is not None and not topic.is_of_twin else ():
+                self._hand_over(topic, LaterDraft(partial(_same, message)))
         commanded = {item.name: item for item in (*of_actions, *endpoints) if item.kind == COMMANDED}
         self._commanded = {item.name for item in endpoints if item.kind == COMMANDED}
         _close_missing(self._heard, commanded)
@@ -364,7 +369,11 @@ def _wired(endpoint: Endpoint) -> WireEndpoint:
         its_hash = type_hash(kind)
         if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
             text = definition(kind)
-    return WireEndpoint(endpoint.name, kind, its_hash, endpoint.node, endpoint.latched, text)
+    return WireEndpoint(endpoint.name, kind, its_hash, endpoint.node, endpoint.latched, text, endpoint.is_best_effort)
+
+
+def _same(message: Any) -> Any:
+    return message
 
 
 def _close_missing(known: dict[str, Any], wanted: Mapping[str, Any]) -> None:

@@ -18,6 +18,7 @@ class WireEndpoint:
         hash: The type's hash, ``RIHS01_…``; empty if it is not known.
         node: The full name of its node.
         latched: Whether late joiners get the last message of the topic.
+        is_best_effort: Whether messages of the topic may be lost.
         definition: The text of the topic's message type, with those of the messages in it.
     """
 
@@ -27,6 +28,7 @@ class WireEndpoint:
     node: str
     latched: bool = False
     definition: str = ""
+    is_best_effort: bool = False
 
 
 class Sender(Protocol):

@@ -177,6 +177,11 @@ class FeedbackMessage(IdlStruct, typename="simulation_interfaces::action::dds_::
     feedback: StepsFeedback
 
 
+@dataclass
+class Text(IdlStruct, typename="std_msgs::msg::dds_::String_"):
+    data: str
+
+
 def made(kind: Any, values: Any) -> Any:
     """An instance of a type from its fields' values, those of structures as lists."""
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
@@ -193,6 +198,7 @@ class Peer:
         self._participant = DomainParticipant(domain, Qos(Policy.Userdata(b"enclave=/;")))
         self._clients: dict[str, Client] = {}
         self._readers: dict[str, Any] = {}
+        self._writers: dict[str, Any] = {}
 
     def client(self, name: str, service: str, kind: str, **options: Any) -> None:
         self._clients[name] = Client(self._participant, service, kind, **options)
@@ -232,17 +238,19 @@ class Peer:
         """Answer requests: sums with the sum, others with these fields."""
         Server(self._participant, service, kind, answer)
 
-    def publish(self, topic: str, kind: str, *fields: Any) -> None:
+    def publish(self, topic: str, kind: str, *fields: Any, is_best_effort: bool = False) -> None:
         """Publish once somebody listens."""
-        where = Topic(self._participant, f"rt{topic}", globals()[kind])
-        writer = DataWriter(self._participant, where, quality("", 10))
-        waited(writer.get_matched_subscriptions, f"nobody hears {topic}")
-        writer.write(made(globals()[kind], fields))
-        self._readers[topic] = writer
+        if topic not in self._writers:
+            where = Topic(self._participant, f"rt{topic}", globals()[kind])
+            qos = quality("", 10) + Qos(Policy.Reliability.BestEffort) if is_best_effort else quality("", 10)
+            self._writers[topic] = DataWriter(self._participant, where, qos)
+        waited(self._writers[topic].get_matched_subscriptions, f"nobody hears {topic}")
+        self._writers[topic].write(made(globals()[kind], fields))
 
-    def subscribe(self, topic: str, kind: str) -> None:
+    def subscribe(self, topic: str, kind: str, is_latched: bool = False) -> None:
         where = Topic(self._participant, f"rt{topic}", globals()[kind])
-        self._readers[topic] = DataReader(self._participant, where, quality("", 1000))
+        qos = quality("", 1000) + Qos(Policy.Durability.TransientLocal) if is_latched else quality("", 1000)
+        self._readers[topic] = DataReader(self._participant, where, qos)
         waited(lambda: self._readers[topic].get_matched_publications(), f"nobody publishes {topic}")
 
     def heard(self, topic: str) -> list[Any]:

@@ -320,6 +320,44 @@ def test_a_node_asks_services_and_actions_of_other_programs(tmp_path, capfd, cap
     )
 
 
+QUALITIES = f"""{HEAD}
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+
+rclpy.init()
+node = Node("qualities")
+kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+node.create_publisher(String, "/kept", kept).publish(String(data="at the start"))
+def hear(message):
+    print("heard:", message.data, flush=True)
+
+
+node.create_subscription(String, "/sensed", hear, qos_profile_sensor_data)
+rclpy.spin(node)
+"""
+
+
+def test_what_a_node_keeps_and_hears_of_best_effort(tmp_path, capfd):
+    """A latched message from before the topic was on the wire, and one of a publisher that sensors have."""
+    with rovers(1).node(script(tmp_path, "node.py", QUALITIES)).build() as twin, dds_peer(DOMAIN) as peer:
+        seam = connect(twin, [DdsWire(DOMAIN)], twin.companions[0])
+        said = []
+
+        def work():
+            peer.subscribe("/kept", "Text", is_latched=True)
+            found = []
+            while not found:
+                found = peer.heard("/kept")
+            while "heard: a scan" not in "".join(said):  # the first may come before the twin's reader knows the writer
+                peer.publish("/sensed", "Text", "a scan", is_best_effort=True)
+                said.append(capfd.readouterr().out)
+            return found
+
+        try:
+            assert while_running(twin, work) == [{"data": "at the start"}]
+        finally:
+            seam.close()
+
+
 def test_services_that_nobody_calls_are_not_looked_at(twin, monkeypatch):
     """Neither in a step nor when a command comes, and the run has the same state as one without."""
     taken = []

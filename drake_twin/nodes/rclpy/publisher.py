@@ -6,7 +6,7 @@ from typing import Any
 from drake_twin.nodes import interfaces
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Publication
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
+from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from drake_twin.nodes.task import present_task
 
 
@@ -17,7 +17,9 @@ class Publisher:
         self.msg_type, self.topic, self.qos_profile = msg_type, topic, qos_profile
         self._graph = graph
         depth = qos_profile.depth if qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL else 0
-        self._publication = Publication(topic, interfaces.type_name(msg_type), node, depth, deque(maxlen=depth or None))
+        may_lose = qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
+        kind, kept = interfaces.type_name(msg_type), deque[Any](maxlen=depth or None)
+        self._publication = Publication(topic, kind, node, depth, kept, may_lose)
         graph.advertise(self._publication)
         present_task().program.belongings.append(self._publication)
 
