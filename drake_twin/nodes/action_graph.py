@@ -6,6 +6,8 @@ from typing import Any, Protocol
 
 from drake_twin.errors import TwinError
 from drake_twin.nodes.graph import Graph
+from drake_twin.nodes.graph_items import GoalListener
+from drake_twin.nodes.outside_action import OutsideAction
 from drake_twin.twin.action import ActionGoal
 
 # action_msgs/msg/GoalStatus
@@ -19,19 +21,6 @@ _STATUSES = {
 }
 NO_ERROR, REJECTED, UNKNOWN_GOAL, ENDED_GOAL = range(4)  # action_msgs/srv/CancelGoal
 _FEEDBACK_PERIOD = 50_000_000  # ns; action_monitor_rate is 20 Hz by default
-
-
-class GoalListener(Protocol):
-    """Who has sent a goal."""
-
-    def answered(self, is_accepted: bool) -> None:
-        """Take note of whether the goal has been accepted."""
-
-    def heard(self, feedback: Any) -> None:
-        """Take note of feedback."""
-
-    def ended(self, status: int, result: Any) -> None:
-        """Take note of the goal's end; without a result it is None."""
 
 
 class ActionOffer(Protocol):
@@ -68,6 +57,7 @@ class ActionGraph:
         self._graph = graph
         self.offers: dict[str, ActionOffer] = {}
         self._goals: dict[bytes, tuple[ActionGoal, GoalListener]] = {}
+        self._outside: dict[str, list[OutsideAction]] = {}
 
     def post(self, act: Callable[[], None]) -> None:
         """Let something happen in a later slot."""
@@ -78,16 +68,27 @@ class ActionGraph:
         self.offers[offer.name] = offer
         self._graph.note_change()
 
-    def withdraw(self, offer: ActionOffer) -> None:
-        """Take back an action."""
-        if self.offers.get(offer.name) is offer:
+    def withdraw(self, offer: ActionOffer | OutsideAction) -> None:
+        """Take back an action that a node offers, or one that it looks for."""
+        if isinstance(offer, OutsideAction):
+            if offer in self._outside.get(offer.name, ()):
+                self._outside[offer.name].remove(offer)
+                offer.close()
+        elif self.offers.get(offer.name) is offer:
             del self.offers[offer.name]
             self._graph.note_change()
+
+    def call(self, name: str, kind: str, node: str) -> OutsideAction:
+        """Look for an action that another program may offer, until `withdraw`."""
+        action = OutsideAction(self._graph, name, kind, node)
+        self._outside.setdefault(name, []).append(action)
+        return action
 
     def is_there(self, name: str, kind: str) -> bool:
         """Return whether an action of a type is there."""
         offer = self.offers.get(name)
-        return (offer is not None and offer.type == kind) or self._graph.twin.graph.actions().get(name) == kind
+        is_own = (offer is not None and offer.type == kind) or self._graph.twin.graph.actions().get(name) == kind
+        return is_own or self._found_outside(name, kind) is not None
 
     def names(self) -> list[tuple[str, list[str]]]:
         """Return each action with its types."""
@@ -103,14 +104,21 @@ class ActionGraph:
             self._graph.post(partial(offer.put_goal, key, goal, listener))
         elif self._graph.twin.graph.actions().get(name) == kind:
             self._graph.post(partial(self._start, name, key, goal, listener))
+        elif (outside := self._found_outside(name, kind)) is not None:
+            outside.put_goal(key, goal, listener)
 
     def cancel(self, name: str, key: bytes, answered: Callable[[int], None]) -> None:
         """Cancel a goal; the answer is a code of ``action_msgs/srv/CancelGoal``."""
         offer = self.offers.get(name)
         if offer is not None:
             self._graph.post(partial(offer.put_cancel, key, answered))
+        elif (outside := next((item for item in self._outside.get(name, ()) if item.has_goal(key)), None)) is not None:
+            outside.put_cancel(key, answered)
         else:
             self._graph.post(partial(self._cancel, key, answered))
+
+    def _found_outside(self, name: str, kind: str) -> OutsideAction | None:
+        return next((item for item in self._outside.get(name, ()) if item.type == kind and item.is_there), None)
 
     def _start(self, name: str, key: bytes, goal: Any, listener: GoalListener) -> None:
         def ended(done: ActionGoal) -> None:

@@ -13,8 +13,9 @@ from typing import Any
 
 from drake_twin.errors import TwinError
 from drake_twin.messages.interface_types import make_response
-from drake_twin.nodes.graph_items import Offer, Publication, Reception
+from drake_twin.nodes.graph_items import Caller, Offer, Publication, Reception
 from drake_twin.nodes.message_classes import to_wire
+from drake_twin.nodes.outside_services import OutsideServices
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.turns import Turns
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
@@ -39,6 +40,7 @@ class Graph:
         publications: Topic → what nodes publish on it.
         receptions: Topic → who of the nodes subscribes to it.
         offers: Service → which nodes offer it.
+        outside: The services of other programs.
         changed: Is called whenever something comes or goes.
         version: Changes whenever something comes or goes.
         taps: Are called with what nodes publish.
@@ -50,6 +52,7 @@ class Graph:
         self.publications: dict[str, list[Publication]] = {}
         self.receptions: dict[str, list[Reception]] = {}
         self.offers: dict[str, list[Offer]] = {}
+        self.outside = OutsideServices(self._is_own, self.note_change)
         self._nodes: dict[str, list[Program]] = {}
         self.changed: Callable[[], None] = lambda: None
         self.version = 0
@@ -167,8 +170,12 @@ class Graph:
 
         reception.end = self.twin.subscribe(reception.topic, hear)
 
-    def withdraw(self, item: Publication | Reception | Offer) -> None:
-        """Take back what a node publishes, subscribes to or offers."""
+    def withdraw(self, item: Publication | Reception | Offer | Caller) -> None:
+        """Take back what a node publishes, subscribes to, offers or asks."""
+        if isinstance(item, Caller):
+            self.outside.remove(item)
+            self.note_change()
+            return
         places: Any = {Publication: self.publications, Reception: self.receptions, Offer: self.offers}[type(item)]
         name = item.name if isinstance(item, Offer) else item.topic
         if item in places.get(name, ()):
@@ -183,7 +190,7 @@ class Graph:
     def forget(self, program: Program) -> None:
         """Take back all that a program has."""
         for item in program.belongings:
-            if isinstance(item, Publication | Reception | Offer):
+            if isinstance(item, Publication | Reception | Offer | Caller):
                 self.withdraw(item)
         program.belongings.clear()
         for name in [name for name, programs in self._nodes.items() if program in programs]:
@@ -223,10 +230,27 @@ class Graph:
         for topic, publications in self.publications.items():
             if topic not in self._published:
                 first = publications[0]
-                yield Endpoint(PUBLISHED, topic, first.type, first.node, latched=bool(first.depth))
+                best_effort = all(item.is_best_effort for item in publications)
+                yield Endpoint(
+                    PUBLISHED,
+                    topic,
+                    first.type,
+                    first.node,
+                    latched=bool(first.depth),
+                    is_best_effort=best_effort,
+                )
         for topic, receptions in self.receptions.items():
             if topic not in self._commanded:
-                yield Endpoint(COMMANDED, topic, receptions[0].type, receptions[0].node)
+                best_effort = any(item.is_best_effort for item in receptions)
+                latched = all(item.wants_latched for item in receptions)
+                yield Endpoint(
+                    COMMANDED,
+                    topic,
+                    receptions[0].type,
+                    receptions[0].node,
+                    latched=latched,
+                    is_best_effort=best_effort,
+                )
 
     def topics(self) -> dict[str, list[str]]:
         """Return topic → its types."""
@@ -257,6 +281,10 @@ class Graph:
 
     def has_service(self, name: str, kind: str) -> bool:
         """Return whether a service of a type is there."""
+        return self._is_own(name, kind) or self.outside.has_service(name, kind)
+
+    def _is_own(self, name: str, kind: str) -> bool:
+        """Return whether the twin or a node offers a service of a type."""
         service = self.services().get(name)
         is_twins = service is not None and service.type == kind
         return is_twins or any(offer.type == kind for offer in self.offers.get(name, ()))
@@ -286,12 +314,21 @@ class Graph:
             return
         service = self.services().get(name)
         if service is None or service.type != kind:
+            self._ask_outside(name, kind, request, answered)
             return
         act = partial(self._answer, service, request, answered)
         if service.between_advances:
             self.post(lambda: self.twin.alarm.requests.append(act))
         else:
             self.post(act)
+
+    def _ask_outside(self, name: str, kind: str, request: Any, answered: Callable[[Any], None]) -> None:
+        """Ask a service of another program; log if no program offers it."""
+        if self.outside.ask(name, kind, request, lambda response: self.post(partial(answered, response))):
+            return
+        others = ", ".join(dict(self.service_names()).get(name, ()))
+        why = f"its type is {others}" if others else "no node offers it"
+        self.log(name, f"a request is lost: it is called as {kind}, but {why}")
 
     def _answer(self, service: ServiceEndpoint, request: Any, answered: Callable[[Any], None]) -> None:
         """Answer a request as the twin's service does."""

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 
 @dataclass(eq=False)
@@ -16,6 +16,7 @@ class Publication:
         node: The full name of the node.
         depth: The number of messages that late subscribers get; zero for none.
         latched: These messages.
+        is_best_effort: Whether messages may be lost.
     """
 
     topic: str
@@ -23,6 +24,7 @@ class Publication:
     node: str
     depth: int = 0
     latched: deque[Any] = field(default_factory=deque)
+    is_best_effort: bool = False
 
 
 @dataclass(eq=False)
@@ -36,6 +38,7 @@ class Reception:
         put: Takes a message.
         wants_latched: Whether it gets what was published before.
         end: Ends the subscription to the twin's topic; None without one.
+        is_best_effort: Whether messages may be lost.
     """
 
     topic: str
@@ -44,6 +47,22 @@ class Reception:
     put: Callable[[Any], None]
     wants_latched: bool = False
     end: Callable[[], None] | None = None
+    is_best_effort: bool = False
+
+
+@dataclass(eq=False)
+class Caller:
+    """A service that a node asks.
+
+    Attributes:
+        name: Its full name.
+        type: Its ROS type.
+        node: The full name of the node that asks.
+    """
+
+    name: str
+    type: str
+    node: str
 
 
 @dataclass(eq=False)
@@ -61,3 +80,16 @@ class Offer:
     type: str
     node: str
     put: Callable[[Any, Callable[[Any], None]], None]
+
+
+class GoalListener(Protocol):
+    """Who has sent a goal."""
+
+    def answered(self, is_accepted: bool) -> None:
+        """Take note of whether the goal has been accepted."""
+
+    def heard(self, feedback: Any) -> None:
+        """Take note of feedback."""
+
+    def ended(self, status: int, result: Any) -> None:
+        """Take note of the goal's end; without a result it is None."""

@@ -16,6 +16,7 @@ from drake_twin.wires.wire import Wire
 if TYPE_CHECKING:
     from drake_twin.nodes.action_graph import ActionGraph
     from drake_twin.nodes.graph import Graph
+    from drake_twin.nodes.graph_items import Caller
     from drake_twin.nodes.nodes import Nodes
 
 
@@ -33,6 +34,7 @@ def connect(twin: Twin, wires: Sequence[Wire], nodes: "Nodes | None" = None) -> 
     services = GraphServices() if nodes is None else GraphServices(nodes.graph, nodes.actions)
     seam = Seam(twin, wires, services.services, services)
     if nodes is not None:
+        nodes.graph.outside.source = seam
         nodes.graph.taps.append(lambda publication, message: seam.send(publication.topic, message))
     return seam
 
@@ -95,6 +97,22 @@ class GraphServices:
         """Pass on to node programs what another program has published."""
         if self._graph is not None:
             self._graph.hear(topic, message)
+
+    def kept(self, topic: str) -> Iterator[Any]:
+        """Yield the messages of node programs that late joiners get."""
+        if self._graph is not None:
+            for publication in self._graph.publications.get(topic, ()):
+                yield from publication.latched
+
+    def wanted(self) -> Iterator["Caller"]:
+        """Yield the services of other programs that node programs ask."""
+        if self._graph is not None:
+            yield from self._graph.outside.wanted()
+
+    def look_again(self) -> None:
+        """Let node programs see which services of other programs have come or gone."""
+        if self._graph is not None:
+            self._graph.changed()
 
     def topics(self) -> tuple[Endpoint, ...]:
         """Return the topics of the actions and of the node programs."""

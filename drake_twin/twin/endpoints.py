@@ -24,6 +24,7 @@ class Endpoint:
         latched: Whether it is published once, and late joiners get it, too.
         robot: The robot that it belongs to; empty for the twin's own.
         controller: The controller that it belongs to; empty without one.
+        is_best_effort: Whether messages may be lost.
     """
 
     kind: str
@@ -34,6 +35,7 @@ class Endpoint:
     latched: bool = False
     robot: str = ""
     controller: str = ""
+    is_best_effort: bool = False
 
 
 class ServiceEndpoint(Protocol):

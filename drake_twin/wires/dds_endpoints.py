@@ -3,6 +3,7 @@
 from typing import Any
 
 from drake_twin.wires.rmw_dds_format import sample_type
+from drake_twin.wires.wire import Reply
 
 MOST_SAMPLES = 100  # that are taken from a reader at once
 _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
@@ -11,7 +12,10 @@ _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
 class Nothing:
     """Stands for what is not on the graph."""
 
-    is_heard = False
+    is_heard = is_there = False
+
+    def ask(self, request: bytes, answered: Reply) -> None:
+        """Ask nobody."""
 
     def send(self, data: bytes, at: int) -> None:
         """Send nothing."""
@@ -20,24 +24,28 @@ class Nothing:
         """Nothing is to be ended."""
 
 
-def quality(data: bytes, *, latched: bool = False, depth: int | None = 10) -> Any:
-    """Return the quality of service as ROS has it: reliable, and kept for late joiners if latched.
+def quality(data: bytes, *, latched: bool = False, depth: int | None = 10, is_best_effort: bool = False) -> Any:
+    """Return the quality of service as ROS has it: reliable by default, and kept for late joiners if latched.
 
     Args:
         data: The user data of the reader or writer.
         latched: Whether late joiners get what was sent before.
         depth: How many messages are kept; None for all.
+        is_best_effort: Whether messages may be lost.
     """
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
 
     return Qos(
-        Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
+        Policy.Reliability.BestEffort
+        if is_best_effort
+        else Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),
         Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
         Policy.History.KeepAll if depth is None else Policy.History.KeepLast(depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),
         Policy.WriterDataLifecycle(autodispose=False),
         Policy.Userdata(data),
+        Policy.IgnoreLocal.Participant,  # the seam knows what the twin has itself
     )
 
 

@@ -1,9 +1,10 @@
-"""The server of a service over DDS, as rmw_cyclonedds_cpp has it.
+"""Servers and clients of services over DDS, as rmw_cyclonedds_cpp has them.
 
 A request comes from a writer and its response goes to a reader, which are the same client's if their user data says so.
 A response that is written before the client's reader is known here would be lost, so it waits for that.
 """
 
+import itertools
 import logging
 import time
 from collections.abc import Callable
@@ -160,16 +161,15 @@ class DdsServer:
         if writer not in self._clients:
             if len(self._clients) >= _MOST_CLIENTS:
                 self._clients.clear()
-            found = self._reader.get_matched_publication_data(writer)
-            self._clients[writer] = "" if found is None else _client_id(found)
+            self._clients[writer] = _value(self._reader.get_matched_publication_data(writer), "clientid")
         return self._clients[writer]
 
     def _has_reader(self, client: str) -> bool:
         """Return whether a client's reader is known."""
         handles = self._writer.get_matched_subscriptions()
         if self._matched.get(client) not in handles:
-            found = ((handle, self._writer.get_matched_subscription_data(handle)) for handle in handles)
-            self._matched = {_client_id(data): handle for handle, data in found if data is not None}
+            data = self._writer.get_matched_subscription_data
+            self._matched = {_value(data(handle), "clientid"): handle for handle in handles}
         return client in self._matched
 
     def _tell(self, text: str) -> None:
@@ -179,8 +179,104 @@ class DdsServer:
             _log.warning("%s: %s", self.topic.name, text)
 
 
-def _client_id(endpoint: Any) -> str:
+class DdsClient:
+    """Asks a service of another program.
+
+    Args:
+        wire: The wire.
+        participant: The participant.
+        service: The service.
+        name: What tells servers that its endpoints are one client's.
+        changed: Is called when the service comes and goes.
+
+    Attributes:
+        topic: The service.
+        ends: Its reader and its writer.
+        condition: The condition that there are responses.
+        is_there: Whether the service is there.
+    """
+
+    def __init__(
+        self,
+        wire: ServingWire,
+        participant: Any,
+        service: WireEndpoint,
+        name: str,
+        changed: Callable[[], None],
+    ):
+        self.topic, self.is_there = service, False
+        self._wire, self._changed = wire, changed
+        request, response = f"{service.type}_Request", f"{service.type}_Response"
+        asked, answered = (
+            quality(endpoint_data(type_hash(kind), clientid=name), depth=_DEPTH) for kind in (request, response)
+        )
+        self._reader, self.condition = reader(
+            participant, response_topic(service.name), response, answered, has_header=True
+        )
+        self._writer = writer(participant, request_topic(service.name), request, asked, has_header=True)
+        self._kind = sample_type(request, has_header=True)
+        self.ends = (
+            End(service, response_topic(service.name), response, self._reader.guid.bytes, is_reader=True),
+            End(service, request_topic(service.name), request, self._writer.guid.bytes, is_reader=False),
+        )
+        self._own = self._writer.get_instance_handle() % (1 << 64)
+        self._numbers = itertools.count(1)
+        self._asked: dict[int, Reply] = {}
+        self._servers: tuple[list[int], list[int]] = [], []
+
+    def ask(self, request: bytes, answered: Reply) -> None:
+        """Send a request."""
+        from cyclonedds.core import DDSException
+
+        with self._wire.lock:
+            if self._writer is None:
+                return
+            number = next(self._numbers)
+            self._asked[number] = answered
+            try:
+                self._writer.write(self._kind(with_header(self._own, number, request)))
+            except DDSException as error:
+                del self._asked[number]
+                _log.warning("%s: a request is lost: %s", self.topic.name, error)
+
+    def take(self) -> bool:
+        """Hand on the responses that have come; return whether anything has."""
+        samples = self._reader.take(MOST_SAMPLES)
+        for sample in samples:
+            data = getattr(sample, "data", b"")
+            with suppress(ValueError):  # it is not for this client
+                client, number, response = without_header(data)
+                if client == self._own and (answered := self._asked.pop(number, None)) is not None:
+                    answered(response)
+        return bool(samples)
+
+    def look(self) -> None:
+        """Look whether the service is there: a server of which both endpoints are known."""
+        matched = self._writer.get_matched_subscriptions(), self._reader.get_matched_publications()
+        if matched == self._servers:
+            return
+        self._servers = matched
+        readers = {_value(self._writer.get_matched_subscription_data(item), "serviceid") for item in matched[0]}
+        writers = {_value(self._reader.get_matched_publication_data(item), "serviceid") for item in matched[1]}
+        is_there = bool(readers & writers - {""})
+        if is_there != self.is_there:
+            self.is_there = is_there
+            if not is_there:
+                self._asked.clear()  # nobody answers them
+            self._changed()
+
+    def close(self) -> None:
+        """Take it off the graph."""
+        with self._wire.lock:
+            if self._reader is not None:
+                self._wire.forget(self)
+                self.condition = self._reader = self._writer = None
+                self.is_there = False
+
+
+def _value(endpoint: Any, key: str) -> str:
+    """Return what the user data of an endpoint says; empty if it says nothing, or the endpoint has gone."""
     from cyclonedds.core import Policy
 
-    data = endpoint.qos[Policy.Userdata]
-    return "" if data is None else read_endpoint_data(data.data).get("clientid", "")
+    data = None if endpoint is None else endpoint.qos[Policy.Userdata]
+    return "" if data is None else read_endpoint_data(data.data).get(key, "")

@@ -6,14 +6,14 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.errors import InputError
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.requirements import missing
 from drake_twin.wires.dds_discovery import Discovery, End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, Nothing, quality, reader, writer
-from drake_twin.wires.dds_service import DdsServer
+from drake_twin.wires.dds_service import DdsClient, DdsServer
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
     GRAPH_TYPE,
@@ -27,10 +27,11 @@ from drake_twin.wires.rmw_dds_format import (
     topic_name,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name
-from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, ServiceClient, WireEndpoint
 
 _log = logging.getLogger(__name__)
 LOOPBACK = "127.0.0.1"
+_Reading = TypeVar("_Reading", bound="_Listener | DdsServer | DdsClient")
 _PERIOD = 0.02  # s between two looks at who listens
 _DISCOVERY = 1.0  # s in which participants find one another
 
@@ -67,7 +68,7 @@ class DdsWire:
         self._waiting: Any = WaitSet(self._participant)
         self._lock = threading.RLock()  # of the endpoints
         self._senders: list[_Sender] = []
-        self._readings: list[_Listener | DdsServer] = []  # that of which something came last comes first
+        self._readings: list[_Listener | DdsServer | DdsClient] = []  # that of which something came last comes first
         self._services = itertools.count(1)
         graph_data = endpoint_data(type_hash(GRAPH_TYPE))
         self._graph: Any = writer(
@@ -88,7 +89,7 @@ class DdsWire:
         if not _can_be(topic, topic.type):
             return Nothing()
         with self._lock:
-            qos = quality(endpoint_data(topic.hash), latched=topic.latched, depth=1 if topic.latched else 10)
+            qos = _quality(topic)
             sender = _Sender(self, topic, writer(self._participant, topic_name(topic.name), topic.type, qos), listened)
             self._senders.append(sender)
             self._has_changed = True
@@ -99,8 +100,7 @@ class DdsWire:
         if not _can_be(topic, topic.type):
             return Nothing()
         with self._lock:
-            qos = quality(endpoint_data(topic.hash))
-            made = reader(self._participant, topic_name(topic.name), topic.type, qos)
+            made = reader(self._participant, topic_name(topic.name), topic.type, _quality(topic))
             return self._follow(_Listener(self, topic, *made, heard))
 
     def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
@@ -118,6 +118,14 @@ class DdsWire:
             found: list[str] = self._discovery.topics_beside(node)
         return found
 
+    def client(self, service: WireEndpoint, changed: Callable[[], None]) -> ServiceClient:
+        """Look for a service of another program; see `drake_twin.wires.wire.AskingWire`."""
+        if not _can_be(service, f"{service.type}_Request", f"{service.type}_Response"):
+            return Nothing()
+        with self._lock:
+            name = service_id(self._participant.guid.bytes, next(self._services))
+            return self._follow(DdsClient(self, self._participant, service, name, changed))
+
     def close(self) -> None:
         """End the participant."""
         self._is_closed.set()
@@ -128,7 +136,7 @@ class DdsWire:
             reading.close()
         self._graph = self._waiting = self._discovery = self._participant = self._domain = None
 
-    def forget(self, endpoint: "_Sender | _Listener | DdsServer") -> None:
+    def forget(self, endpoint: "_Sender | _Listener | DdsServer | DdsClient") -> None:
         """Forget a closed endpoint."""
         with self._lock:
             if isinstance(endpoint, _Sender):
@@ -143,7 +151,7 @@ class DdsWire:
         """The lock that keeps an endpoint from being closed while it is used."""
         return self._lock
 
-    def _follow(self, reading: "_Listener | DdsServer") -> Closable:
+    def _follow(self, reading: _Reading) -> _Reading:
         self._readings.append(reading)
         self._waiting.attach(reading.condition)
         self._has_changed = True
@@ -164,8 +172,8 @@ class DdsWire:
                 next_look = now + _PERIOD
                 for sender in tuple(self._senders):
                     sender.look()
-                for reading in self._readings:
-                    if isinstance(reading, DdsServer):
+                for reading in tuple(self._readings):
+                    if not isinstance(reading, _Listener):
                         reading.look()
                 if self._has_changed or self._has_found:
                     ends = [end for item in (*self._senders, *self._readings) for end in item.ends]
@@ -193,6 +201,11 @@ class DdsWire:
             nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
         entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
         self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
+
+
+def _quality(topic: WireEndpoint) -> Any:
+    depth, may_lose = 1 if topic.latched else 10, topic.is_best_effort
+    return quality(endpoint_data(topic.hash), latched=topic.latched, depth=depth, is_best_effort=may_lose)
 
 
 def _can_be(endpoint: WireEndpoint, *types: str) -> bool:

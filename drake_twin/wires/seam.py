@@ -23,7 +23,16 @@ from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
-from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEndpoint
+from drake_twin.wires.wire import (
+    LARGEST,
+    AskingWire,
+    Closable,
+    Reply,
+    Sender,
+    ServiceClient,
+    Wire,
+    WireEndpoint,
+)
 
 _log = logging.getLogger(__name__)
 _MOST_WAITING = 10_000  # messages for the sender's thread; more make the simulation wait
@@ -46,6 +55,15 @@ class WiredActions(Protocol):
 
     def hear(self, topic: str, message: Any) -> None:
         """Take a message that a wire has heard."""
+
+    def kept(self, topic: str) -> Iterable[Any]:
+        """Return the messages that late joiners get, of those published before the topic was offered."""
+
+    def wanted(self) -> Iterable[Any]:
+        """Return the services of other programs that are asked: their names, types and nodes."""
+
+    def look_again(self) -> None:
+        """Take note that such a service has come or gone."""
 
 
 @dataclass
@@ -91,6 +109,7 @@ class Seam:
         self._topics: dict[str, _Topic] = {}
         self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
         self._served: dict[str, tuple[ServiceEndpoint, list[Closable]]] = {}
+        self._clients: dict[str, tuple[Any, list[ServiceClient]]] = {}
         self._commanded: set[str] = set()
         self._has_changed = False
         self._logged: set[tuple[str, str]] = set()
@@ -151,6 +170,8 @@ class Seam:
             self._topics[name] = topic = _Topic(offered[name], is_of_twin=offered[name] in endpoints)
             wired = _wired(offered[name])
             topic.senders += [wire.advertise(wired, self._note_listeners) for wire in self._wires]
+            for message in self._actions.kept(name) if self._actions is not None and not topic.is_of_twin else ():
+                self._hand_over(topic, LaterDraft(partial(_same, message)))
         commanded = {item.name: item for item in (*of_actions, *endpoints) if item.kind == COMMANDED}
         self._commanded = {item.name for item in endpoints if item.kind == COMMANDED}
         _close_missing(self._heard, commanded)
@@ -165,6 +186,18 @@ class Seam:
             service = services[name]
             wired = WireEndpoint(name, service.type, type_hash(service.type), service.node)
             self._served[name] = service, [wire.serve(wired, partial(self._ask, name)) for wire in self._wires]
+        wanted = {item.name: item for item in self._actions.wanted()} if self._actions is not None and endpoints else {}
+        _close_missing(self._clients, wanted)
+        for name in wanted.keys() - self._clients.keys():
+            item = wanted[name]
+            wired = WireEndpoint(name, item.type, type_hash(item.type), item.node)
+            wires = [wire for wire in self._wires if isinstance(wire, AskingWire)]
+            self._clients[name] = item, [wire.client(wired, self._note_services) for wire in wires]
+
+    def _note_services(self) -> None:
+        """Take note that a service of another program has come or gone, in a wire's thread."""
+        if self._actions is not None:
+            self._twin.inbox.put(self._actions.look_again)
 
     def _note_listeners(self, is_heard: bool) -> None:
         """Follow who listens, later, in the simulation's thread."""
@@ -236,6 +269,31 @@ class Seam:
                 self._log(topic.endpoint.name, f"a message is not sent: {error}")
             finally:
                 self._has_room.set()
+
+    # Services of others ----------------------------------------------------------------------------------------------
+
+    def has_service(self, name: str, kind: str) -> bool:
+        """Return whether another program offers a service that is asked."""
+        return self._client(name, kind) is not None
+
+    def ask(self, name: str, kind: str, request: Any, answered: Callable[[Any], None]) -> None:
+        """Ask a service of another program; `answered` takes the response, in the simulation's thread."""
+        if (client := self._client(name, kind)) is not None:
+            client.ask(serialize(request), partial(self._answered, name, kind, answered))
+
+    def _client(self, name: str, kind: str) -> ServiceClient | None:
+        item, clients = self._clients.get(name, (None, []))
+        return next((client for client in clients if client.is_there and item.type == kind), None)
+
+    def _answered(self, name: str, kind: str, answered: Callable[[Any], None], data: bytes) -> None:
+        """Decode a response, in a wire's thread."""
+        try:
+            response = deserialize(f"{kind}_Response", data)
+        except ValueError as error:
+            self._log(name, str(error), "decoding")
+            return
+        if not self._twin.inbox.put(partial(answered, response)):
+            self._log(name, f"a response is lost: {_TOO_MANY}")
 
     # In --------------------------------------------------------------------------------------------------------------
 
@@ -328,7 +386,11 @@ def _wired(endpoint: Endpoint) -> WireEndpoint:
         its_hash = type_hash(kind)
         if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
             text = definition(kind)
-    return WireEndpoint(endpoint.name, kind, its_hash, endpoint.node, endpoint.latched, text)
+    return WireEndpoint(endpoint.name, kind, its_hash, endpoint.node, endpoint.latched, text, endpoint.is_best_effort)
+
+
+def _same(message: Any) -> Any:
+    return message
 
 
 def _close_missing(known: dict[str, Any], wanted: Mapping[str, Any]) -> None:

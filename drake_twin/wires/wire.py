@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 Reply = Callable[[bytes], None]
 LARGEST = 1 << 20  # bytes of a message that is heard
@@ -18,6 +18,7 @@ class WireEndpoint:
         hash: The type's hash, ``RIHS01_…``; empty if it is not known.
         node: The full name of its node.
         latched: Whether late joiners get the last message of the topic.
+        is_best_effort: Whether messages of the topic may be lost.
         definition: The text of the topic's message type, with those of the messages in it.
     """
 
@@ -27,6 +28,7 @@ class WireEndpoint:
     node: str
     latched: bool = False
     definition: str = ""
+    is_best_effort: bool = False
 
 
 class Sender(Protocol):
@@ -55,6 +57,37 @@ class Closable(Protocol):
 
     def close(self) -> None:
         """End it."""
+
+
+class ServiceClient(Closable, Protocol):
+    """Asks a service of another program.
+
+    Attributes:
+        is_there: Whether the service is there.
+    """
+
+    is_there: bool
+
+    def ask(self, request: bytes, answered: Reply) -> None:
+        """Send a request.
+
+        Args:
+            request: Its CDR bytes.
+            answered: Is called with the response's, in a thread of the wire; not if the service does not answer.
+        """
+
+
+@runtime_checkable
+class AskingWire(Protocol):
+    """A wire over which the services of other programs can be asked, beside what is in `Wire`."""
+
+    def client(self, service: WireEndpoint, changed: Callable[[], None]) -> ServiceClient:
+        """Look for a service of another program.
+
+        Args:
+            service: The service, with the node that asks it.
+            changed: Is called when the service comes and goes, in a thread of the wire.
+        """
 
 
 class Wire(Protocol):

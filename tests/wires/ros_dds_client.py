@@ -1,4 +1,4 @@
-"""Clients of services over DDS as rmw_cyclonedds_cpp has them, from the cyclonedds package alone: a program of its own.
+"""Services over DDS as rmw_cyclonedds_cpp has them, from the cyclonedds package alone: a program of its own.
 
 The types are written out by hand, with the header of 16 bytes as the first two fields. What was recorded of a real
 ROS 2 Jazzy is in test_dds_services.py.
@@ -11,6 +11,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -176,6 +177,11 @@ class FeedbackMessage(IdlStruct, typename="simulation_interfaces::action::dds_::
     feedback: StepsFeedback
 
 
+@dataclass
+class Text(IdlStruct, typename="std_msgs::msg::dds_::String_"):
+    data: str
+
+
 def made(kind: Any, values: Any) -> Any:
     """An instance of a type from its fields' values, those of structures as lists."""
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
@@ -192,6 +198,7 @@ class Peer:
         self._participant = DomainParticipant(domain, Qos(Policy.Userdata(b"enclave=/;")))
         self._clients: dict[str, Client] = {}
         self._readers: dict[str, Any] = {}
+        self._writers: dict[str, Any] = {}
 
     def client(self, name: str, service: str, kind: str, **options: Any) -> None:
         self._clients[name] = Client(self._participant, service, kind, **options)
@@ -227,13 +234,50 @@ class Peer:
                 found.append(answer)
         return found
 
-    def subscribe(self, topic: str, kind: str) -> None:
+    def serve(self, service: str, kind: str, answer: Any) -> None:
+        """Answer requests: sums with the sum, others with these fields."""
+        Server(self._participant, service, kind, answer)
+
+    def publish(self, topic: str, kind: str, *fields: Any, is_best_effort: bool = False) -> None:
+        """Publish once somebody listens."""
+        if topic not in self._writers:
+            where = Topic(self._participant, f"rt{topic}", globals()[kind])
+            qos = quality("", 10) + Qos(Policy.Reliability.BestEffort) if is_best_effort else quality("", 10)
+            self._writers[topic] = DataWriter(self._participant, where, qos)
+        waited(self._writers[topic].get_matched_subscriptions, f"nobody hears {topic}")
+        self._writers[topic].write(made(globals()[kind], fields))
+
+    def subscribe(self, topic: str, kind: str, is_latched: bool = False) -> None:
         where = Topic(self._participant, f"rt{topic}", globals()[kind])
-        self._readers[topic] = DataReader(self._participant, where, quality("", 1000))
+        qos = quality("", 1000) + Qos(Policy.Durability.TransientLocal) if is_latched else quality("", 1000)
+        self._readers[topic] = DataReader(self._participant, where, qos)
         waited(lambda: self._readers[topic].get_matched_publications(), f"nobody publishes {topic}")
 
     def heard(self, topic: str) -> list[Any]:
         return [dataclasses.asdict(item) for item in self._readers[topic].take(1000) if dataclasses.is_dataclass(item)]
+
+
+class Server:
+    """A server of a service, in a thread of its own."""
+
+    def __init__(self, participant: Any, service: str, kind: str, answer: Any):
+        data, request = f"serviceid=1.10.{os.getpid():x}.{next(Client.numbers):x};", globals()[f"{kind}Request"]
+        self._response, self._answer = globals()[f"{kind}Response"], answer
+        topics = (
+            Topic(participant, f"rq{service}Request", request),
+            Topic(participant, f"rr{service}Reply", self._response),
+        )
+        self._writer = DataWriter(participant, topics[1], quality(data, 1000))
+        self._reader = DataReader(participant, topics[0], quality(data, 1000))
+        threading.Thread(target=self._work, daemon=True).start()
+
+    def _work(self) -> None:
+        while True:
+            for item in self._reader.take(100):
+                if dataclasses.is_dataclass(item) and hasattr(item, "guid_"):
+                    answer = [item.a + item.b] if isinstance(item, AddTwoIntsRequest) else self._answer
+                    self._writer.write(made(self._response, (item.guid_, item.seq_, *answer)))
+            time.sleep(0.001)
 
 
 class Client:

@@ -6,10 +6,12 @@ import threading
 
 import pytest
 from conftest import ROVER, rovers
+from nodes.node_runs import HEAD, script
 from wires.ros_client import while_running
 from wires.ros_dds_client import dds_peer
 
 from drake_twin import Robot
+from drake_twin.messages.interface_types import deserialize, type_hash
 from drake_twin.services.graph import connect
 from drake_twin.wires.dds_service import DdsServer
 from drake_twin.wires.dds_wire import DdsWire
@@ -57,6 +59,22 @@ def test_names_and_user_data():
     assert data == f"serviceid={name};typehash=RIHS01_ab;".encode()
     assert read_endpoint_data(data) == {"serviceid": name, "typehash": "RIHS01_ab"}
     assert read_endpoint_data(b"\xff\0;;=") == {}
+
+
+def test_what_a_real_client_sent():
+    """Recorded of rcl 9.2 with rmw_cyclonedds_cpp: the second request of a client of ``list_parameters``."""
+    data = bytes.fromhex("00010000708a2e206e3196cf0200000000000000") + bytes(16)
+    client, number, request = without_header(data)
+    assert (client, number) == (0xCF96316E202E8A70, 2)
+    assert request == b"\0\1\0\0" + bytes(16)
+    found = deserialize("rcl_interfaces/srv/ListParameters_Request", request)
+    assert (found.prefixes, found.depth) == ([], 0)
+    told = read_endpoint_data(
+        b"clientid= 1.10.71.90.fa.6b.f7.1.d3.fc.3a.bc.0.0.0.1;"
+        b"typehash=RIHS01_a1b0b5d6b967a5b8ac5bc8563c3ea678f349e312a6a4967227c5a96bc5ce38df;"
+    )
+    assert told["clientid"] == " 1.10.71.90.fa.6b.f7.1.d3.fc.3a.bc.0.0.0.1"
+    assert told["typehash"] == type_hash("rcl_interfaces/srv/ListParameters_Request")
 
 
 def test_a_header_of_either_byte_order():
@@ -211,7 +229,7 @@ def test_a_client_of_another_middleware_is_told_of_once(twin, caplog):
     with dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
 
         def work():
-            peer.client("fast", LIST, "ListParameters", data="typehash=RIHS01_ab;")
+            peer.client("fast", LIST, "ListParameters", data="other=1;")
             peer.client("a", LIST, "ListParameters")
             for _ in range(3):
                 peer.ask("fast", [], 0)
@@ -238,6 +256,107 @@ def test_a_client_with_another_type_is_told_of_once(twin, caplog):
     assert [line for line in caplog.messages if line.startswith(LIST)] == [
         f"{LIST}: another program calls it as {kinds}"
     ]
+
+
+ASKING = f"""{HEAD}
+from example_interfaces.srv import AddTwoInts
+from rclpy.action import ActionClient
+from simulation_interfaces.action import SimulateSteps
+
+rclpy.init()
+node = Node("asking")
+client = node.create_client(AddTwoInts, "/elsewhere/add")
+print("is there:", client.wait_for_service())
+future = client.call_async(AddTwoInts.Request(a=2, b=40))
+rclpy.spin_until_future_complete(node, future)
+print("sum:", future.result().sum)
+
+steps = ActionClient(node, SimulateSteps, "/elsewhere/steps")
+steps.wait_for_server()
+future = steps.send_goal_async(
+    SimulateSteps.Goal(steps=3), lambda message: print("feedback:", message.feedback.completed_steps)
+)
+rclpy.spin_until_future_complete(node, future)
+goal = future.result()
+print("accepted:", goal.accepted)
+future = goal.get_result_async()
+rclpy.spin_until_future_complete(node, future)
+print("result:", future.result().status, future.result().result.result.error_message)
+other = node.create_client(AddTwoInts, "/nowhere")
+other.call_async(AddTwoInts.Request())
+print("at the end", flush=True)
+"""
+
+
+def test_a_node_asks_services_and_actions_of_other_programs(tmp_path, capfd, caplog):
+    """Of a server that is not there, one line says that the request is lost."""
+    wire = DdsWire(DOMAIN)
+    builder = rovers(1).node(script(tmp_path, "asking.py", ASKING))
+    with builder.build() as twin, dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+        seam = connect(twin, [wire], twin.companions[0])
+        said = []
+
+        def work():
+            peer.serve("/elsewhere/add", "AddTwoInts", [])
+            peer.serve("/elsewhere/steps/_action/send_goal", "SendGoal", [True, [1, 2]])
+            peer.serve("/elsewhere/steps/_action/cancel_goal", "CancelGoal", [0, []])
+            peer.serve("/elsewhere/steps/_action/get_result", "GetResult", [4, [[1, "done"]]])
+            while "at the end" not in "".join(said):
+                said.append(capfd.readouterr().out)
+
+        try:
+            while_running(twin, work)
+        finally:
+            seam.close()
+    assert "".join(said).splitlines() == [
+        "is there: True",
+        "sum: 42",
+        "accepted: True",
+        "result: 4 done",
+        "at the end",
+    ]
+    (line,) = [line for line in caplog.messages if line.startswith("/nowhere")]
+    assert line == (
+        "/nowhere: a request is lost: it is called as example_interfaces/srv/AddTwoInts, but no node offers it"
+    )
+
+
+QUALITIES = f"""{HEAD}
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+
+rclpy.init()
+node = Node("qualities")
+kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+node.create_publisher(String, "/kept", kept).publish(String(data="at the start"))
+def hear(message):
+    print("heard:", message.data, flush=True)
+
+
+node.create_subscription(String, "/sensed", hear, qos_profile_sensor_data)
+rclpy.spin(node)
+"""
+
+
+def test_what_a_node_keeps_and_hears_of_best_effort(tmp_path, capfd):
+    """A latched message from before the topic was on the wire, and one of a publisher that sensors have."""
+    with rovers(1).node(script(tmp_path, "node.py", QUALITIES)).build() as twin, dds_peer(DOMAIN) as peer:
+        seam = connect(twin, [DdsWire(DOMAIN)], twin.companions[0])
+        said = []
+
+        def work():
+            peer.subscribe("/kept", "Text", is_latched=True)
+            found = []
+            while not found:
+                found = peer.heard("/kept")
+            while "heard: a scan" not in "".join(said):  # the first may come before the twin's reader knows the writer
+                peer.publish("/sensed", "Text", "a scan", is_best_effort=True)
+                said.append(capfd.readouterr().out)
+            return found
+
+        try:
+            assert while_running(twin, work) == [{"data": "at the start"}]
+        finally:
+            seam.close()
 
 
 def test_services_that_nobody_calls_are_not_looked_at(twin, monkeypatch):

@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
+from drake_twin.nodes.graph_items import Caller
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.simulated_time import wait_until
 from drake_twin.nodes.task import present_task
@@ -16,7 +17,16 @@ from drake_twin.nodes.task import present_task
 class Client:
     """Asks a service."""
 
-    def __init__(self, graph: Graph, context: Any, srv_type: Any, srv_name: str, qos_profile: Any, callback_group: Any):
+    def __init__(
+        self,
+        graph: Graph,
+        context: Any,
+        srv_type: Any,
+        srv_name: str,
+        qos_profile: Any,
+        callback_group: Any,
+        node: str,
+    ):
         self.srv_type, self.srv_name, self.qos_profile = srv_type, srv_name, qos_profile
         self.callback_group, self.context = callback_group, context
         self._service_name = srv_name
@@ -25,6 +35,9 @@ class Client:
         self._answers: deque[Callable[[], None]] = deque()
         self._pending: list[Future] = []
         self._executor: Any = None
+        self._caller = Caller(srv_name, self._type, node)
+        graph.outside.add(self._caller)
+        present_task().program.belongings.append(self._caller)
 
     service_name = property(attrgetter("_service_name"))
 
@@ -74,3 +87,4 @@ class Client:
     def destroy(self) -> None:
         self._pending.clear()
         self._answers.clear()
+        self._graph.withdraw(self._caller)

@@ -190,7 +190,7 @@ class Node(NodeParameters, GraphQueries):
     ) -> Client:
         name, group = self.resolve_service_name(srv_name), callback_group or self._default_group
         qos = qos_profile or qos_profile_services_default
-        client = Client(self._graph, self._context, srv_type, name, qos, group)
+        client = Client(self._graph, self._context, srv_type, name, qos, group, self._full)
         self._clients.append(client)
         return self._added(client)
 

@@ -7,7 +7,7 @@ from typing import Any
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Publication
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
+from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from drake_twin.nodes.task import present_task
 
 
@@ -19,8 +19,9 @@ class Publisher:
         self._topic_name = topic
         self._graph = graph
         depth = qos_profile.depth if qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL else 0
-        kind, latched = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
-        self._publication = Publication(topic, kind, node, depth, latched)
+        may_lose = qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
+        kind, kept = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
+        self._publication = Publication(topic, kind, node, depth, kept, may_lose)
         graph.advertise(self._publication)
         present_task().program.belongings.append(self._publication)
 

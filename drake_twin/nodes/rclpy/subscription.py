@@ -10,7 +10,7 @@ from typing import Any
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Reception
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
+from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from drake_twin.nodes.task import Task, present_task
 
 
@@ -43,7 +43,8 @@ class Subscription:
         self._messages: deque[tuple[Any, int]] = deque(maxlen=qos_profile.queue_size)
         self._takes_info = _takes_two(callback)
         latched = qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
-        self._reception = Reception(topic, self._type, node, self._put, latched)
+        may_lose = qos_profile.reliability in (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.BEST_AVAILABLE)
+        self._reception = Reception(topic, self._type, node, self._put, latched, is_best_effort=may_lose)
         graph.subscribe(self._reception)
         self._task.program.belongings.append(self._reception)
 

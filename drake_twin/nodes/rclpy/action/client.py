@@ -143,6 +143,8 @@ class ActionClient:
         self._events: deque[Callable[[], Any]] = deque()
         self._actions = node.actions
         self._count = 0
+        self._outside = self._actions.call(self.name, self.type, node.get_fully_qualified_name())
+        present_task().program.belongings.append(self._outside)
         node.add_waitable(self)
 
     def put(self, event: Callable[[], Any]) -> None:
@@ -197,6 +199,7 @@ class ActionClient:
 
     def destroy(self) -> None:
         self.node.remove_waitable(self)
+        self._actions.withdraw(self._outside)
 
 
 def new_goal_id(known: dict[str, Any], index: int) -> Any:

@@ -21,8 +21,8 @@ from drake_twin.nodes.action_graph import (
     SUCCEEDED,
     UNKNOWN,
     UNKNOWN_GOAL,
-    GoalListener,
 )
+from drake_twin.nodes.graph_items import GoalListener
 from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.task import present_task
 
