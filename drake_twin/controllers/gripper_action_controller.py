@@ -12,7 +12,9 @@ from drake_twin.control.pid import PidMemory
 from drake_twin.controllers.action_controller import ActionController
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE, GoalState
+from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
 
@@ -67,6 +69,12 @@ class GripperActionController(ActionController):
 
     Parameters: ClassVar[type] = GripperActionParameters
     action = "control_msgs/action/GripperCommand"
+    interface = "position"
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """Return the interface of the joint."""
+        return (Interface(parameters.joint, cls.interface),)
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
