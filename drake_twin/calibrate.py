@@ -17,6 +17,7 @@ from drake_twin.errors import InputError
 from drake_twin.program import (
     ArgumentParser,
     add_keep_going,
+    add_repeated,
     add_version,
     check_figure,
     leave,
@@ -59,42 +60,15 @@ def _parser() -> ArgumentParser:
     parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="the twin, as for drake_twin.run")
     add_version(parser)
     what = parser.add_argument_group("what is fitted")
-    what.add_argument(
-        "--fit",
-        action="append",
-        default=[],
-        metavar="PATH=LOW:HIGH",
-        help="a value and where to search it; paths are those of drake_twin.sweep --vary (may be repeated)",
+    add_repeated(
+        what, "--fit", "PATH=LOW:HIGH", "a value and where to search it; paths are those of drake_twin.sweep --vary"
     )
-    what.add_argument(
-        "--log",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="a rosbag2 bag (MCAP, SQLite3), or a twin's recording, .json (may be repeated)",
-    )
-    what.add_argument(
-        "--map",
-        action="append",
-        default=[],
-        metavar="LOG=TWIN",
-        help="a topic of the logs and the twin's topic that it stands for (may be repeated)",
-    )
-    what.add_argument(
-        "--without",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="leave out a topic or a number, such as j1.effort",
-    )
-    what.add_argument(
-        "--noise",
-        action="append",
-        default=[],
-        metavar="NAME=S",
-        help="standard deviation of a number, or of a kind: position, velocity, effort, place, angle, linear, angular,"
-        " acceleration (may be repeated; by default estimated from the logs)",
-    )
+    add_repeated(what, "--log", "FILE", "a rosbag2 bag (MCAP, SQLite3), or a twin's recording, .json")
+    add_repeated(what, "--map", "LOG=TWIN", "a topic of the logs and the twin's topic that it stands for")
+    add_repeated(what, "--without", "NAME", "leave out a topic or a number, such as j1.effort")
+    kinds = "position, velocity, effort, place, angle, linear, angular, acceleration"
+    noise = f"standard deviation of a number, or of a kind: {kinds}"
+    add_repeated(what, "--noise", "NAME=S", noise, "; by default estimated from the logs")
     what.add_argument(
         "--longest-delay", type=float, metavar="S", help="longest delay of a topic to look for (default: 0.1; 0: none)"
     )
@@ -105,13 +79,7 @@ def _parser() -> ArgumentParser:
         help="auto (default): a screen, least squares, evolution where they fail; least-squares: from the scenario's"
         " values; sobol: the first two; evolution",
     )
-    how.add_argument(
-        "--start",
-        action="append",
-        default=[],
-        metavar="PATH=VALUE",
-        help="where to begin (may be repeated; by default at the values of the scenario)",
-    )
+    add_repeated(how, "--start", "PATH=VALUE", "where to begin", "; by default at the values of the scenario")
     add_keep_going(how)
     how.add_argument("--episodes", type=int, metavar="N", help="simulate a log so often at most (default: 700)")
     out = parser.add_argument_group("output")

@@ -27,6 +27,7 @@ from drake_twin.program import (
 )
 
 if TYPE_CHECKING:
+    from drake_twin.description.robot_description import RobotDescription
     from drake_twin.twin.twin import Twin
 
 _DESCRIPTION = """\
@@ -104,30 +105,17 @@ def _describe(twin: "Twin") -> dict[str, Any]:
     description, plant = plan.description, twin.plant
     instance = plant.GetModelInstanceByName(plan.name)
     context = plant.GetMyContextFromRoot(twin.context)
-    kinds: dict[str, int] = {}
-    for joint in description.joints:
-        kinds[joint.type] = kinds.get(joint.type, 0) + 1
     return {
         "name": description.name,
         "format": plan.model.drake_format,
         "links": len(description.links),
-        "joints": kinds,
+        "joints": Counter(joint.type for joint in description.joints),
         "degrees_of_freedom": plant.num_velocities(instance),
         "fixed_to_the_world": plan.model.is_fixed,
         "mass": plant.CalcTotalMass(context, [instance]),
         "actuators": [joint.name for joint in description.actuated_joints],
-        "command_interfaces": {
-            name: [item.name for item in joint.command_interfaces]
-            for name, joint in description.controlled_joints.items()
-            if joint.command_interfaces
-        }
-        | {name: [*gpio.commands] for name, gpio in description.gpios.items() if gpio.commands},
-        "state_interfaces": {
-            name: [item.name for item in joint.state_interfaces]
-            for name, joint in description.controlled_joints.items()
-            if joint.state_interfaces
-        }
-        | {name: [*gpio.states] for name, gpio in description.gpios.items() if gpio.states},
+        "command_interfaces": _interfaces(description, "command"),
+        "state_interfaces": _interfaces(description, "state"),
         "controllers": [controller.name for controller in plan.controllers],
         "sensors": [sensor.as_plain() for sensor in plan.sensors],
         "meshes": {str(mesh): mesh.stat().st_size for mesh in plan.model.meshes},
@@ -142,6 +130,14 @@ def _describe(twin: "Twin") -> dict[str, Any]:
             if shape.model == plan.name
         ],
     }
+
+
+def _interfaces(description: "RobotDescription", kind: str) -> dict[str, list[str]]:
+    """Return the ``command`` or ``state`` interfaces of each joint and GPIO that has some."""
+    joints, gpios = description.controlled_joints, description.gpios
+    found = {name: [item.name for item in getattr(joint, f"{kind}_interfaces")] for name, joint in joints.items()}
+    found |= {name: [*getattr(gpio, f"{kind}s")] for name, gpio in gpios.items()}
+    return {name: names for name, names in found.items() if names}
 
 
 def _lines(report: Report) -> Iterator[str]:

@@ -240,18 +240,16 @@ def _joined_alike(findings: Sequence[Finding], everything: bool) -> str:
     first, common = findings[0], findings[0].common
     things = list(dict.fromkeys(finding.what.removesuffix(common) for finding in findings))
     told = len(things) if everything else _MOST_THINGS
-    more = f" and {len(things) - told} more" if len(things) > told else ""
     lines: dict[str, set[int]] = {}
     for finding in findings:
         lines.setdefault(finding.file, set()).update(finding.lines)
     where = "; ".join(filter(None, (_where(file, sorted(numbers)) for file, numbers in lines.items())))
-    return _placed(first.kind, f"{', '.join(things[:told])}{more}{common}", where)
+    return _placed(first.kind, first_of(things, told) + common, where)
 
 
 def _where(file: str, lines: Sequence[int]) -> str:
     """Return ``FILE:LINE, LINE``; nothing without lines."""
-    more = f" and {len(lines) - _MOST_LINES} more" if len(lines) > _MOST_LINES else ""
-    numbers = ", ".join(map(str, lines[:_MOST_LINES])) + more
+    numbers = first_of([*map(str, lines)], _MOST_LINES)
     return (f"{PurePath(file).name}:{numbers}" if file else f"line {numbers}") if numbers else ""
 
 

@@ -61,6 +61,19 @@ def add_keep_going(parser: Any) -> None:
     parser.add_argument("--keep-going", action="store_true", help=what)
 
 
+def add_repeated(parser: Any, option: str, metavar: str, what: str, more: str = "") -> None:
+    """Add an option that may be repeated; its values are a list.
+
+    Args:
+        parser: The parser, or a group of it.
+        option: The option.
+        metavar: What stands for its value.
+        what: What it does.
+        more: What else is to be known of repeating it.
+    """
+    parser.add_argument(option, action="append", default=[], metavar=metavar, help=f"{what} (may be repeated{more})")
+
+
 def version_text() -> str:
     """Return the package's name and version."""
     import drake_twin

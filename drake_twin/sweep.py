@@ -19,6 +19,7 @@ from drake_twin.errors import InputError, RunError
 from drake_twin.program import (
     ArgumentParser,
     add_keep_going,
+    add_repeated,
     add_version,
     check_figure,
     leave,
@@ -68,21 +69,14 @@ def _parser() -> ArgumentParser:
     )
     add_version(parser)
     what = parser.add_argument_group("what is run")
-    what.add_argument(
-        "--vary",
-        action="append",
-        default=[],
-        metavar="PATH=VALUES",
-        help="a value and what it takes: a,b,c or FIRST:LAST:COUNT, or uniform(a,b), normal(m,s), loguniform(a,b)"
-        " (may be repeated: all combinations)",
-    )
-    what.add_argument(
+    taken = "a,b,c or FIRST:LAST:COUNT, or uniform(a,b), normal(m,s), loguniform(a,b)"
+    add_repeated(what, "--vary", "PATH=VALUES", f"a value and what it takes: {taken}", ": all combinations")
+    add_repeated(
+        what,
         "--push",
-        action="append",
-        default=[],
-        metavar="ROBOT[.LINK]=FORCE@TIME",
-        help="push a link, for example robot_1=20N@1s: 20 N for 0.1 s from 1 s on, horizontally in a direction that is"
-        " drawn from the seed; or robot_1.base_link=20,0,5N@1s+0.2s (may be repeated)",
+        "ROBOT[.LINK]=FORCE@TIME",
+        "push a link, for example robot_1=20N@1s: 20 N for 0.1 s from 1 s on, horizontally in a direction that is drawn"
+        " from the seed; or robot_1.base_link=20,0,5N@1s+0.2s",
     )
     what.add_argument(
         "--retune", action="store_true", help="let servo gains follow the varied robot, not the file's (needs builds)"
@@ -90,13 +84,8 @@ def _parser() -> ArgumentParser:
     what.add_argument("--samples", type=int, default=16, metavar="N", help="samples of the distributions (default: 16)")
     what.add_argument("--seeds", type=int, default=1, metavar="N", help="run each with the seeds 0 to N-1 (default: 1)")
     what.add_argument("--duration", type=float, default=5.0, metavar="S", help="simulated seconds (default: 5)")
-    what.add_argument(
-        "--metric",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="distance, tracking_error, energy, max_effort, slip, settled, or NAME=FILE.py:FUNCTION (may be repeated)",
-    )
+    metrics = "distance, tracking_error, energy, max_effort, slip, settled, or NAME=FILE.py:FUNCTION"
+    add_repeated(what, "--metric", "NAME", metrics)
     what.add_argument("--until", metavar="CONDITION", help="end early: fell, settled, or FILE.py:FUNCTION")
     how = parser.add_argument_group("how it is run")
     how.add_argument("--out", type=Path, metavar="FILE", help="the table: .parquet, .csv or .jsonl")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError
-from drake_twin.program import say
+from drake_twin.program import add_repeated, say
 from drake_twin.scenario import NodeProgram
 
 if TYPE_CHECKING:
@@ -19,14 +19,8 @@ if TYPE_CHECKING:
 
 def add_node_option(group: argparse._ArgumentGroup) -> None:
     """Add the option."""
-    group.add_argument(
-        "--node",
-        action="append",
-        default=[],
-        metavar="'SCRIPT ARGUMENTS'",
-        help="run a Python node of yours in lock-step with the simulation; 'PACKAGE PROGRAM ARGUMENTS' is one of a"
-        " package (may be repeated)",
-    )
+    what = "run a Python node of yours in lock-step with the simulation"
+    add_repeated(group, "--node", "'SCRIPT ARGUMENTS'", f"{what}; 'PACKAGE PROGRAM ARGUMENTS' is one of a package")
 
 
 def node_programs(lines: Sequence[str]) -> tuple[NodeProgram, ...]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_keep_going, add_strict, add_version
+from drake_twin.program import ArgumentParser, add_keep_going, add_repeated, add_strict, add_version
 from drake_twin.scenario import LONGEST_TIME
 from drake_twin.wires.registry import wire_kinds
 
@@ -63,13 +63,7 @@ def parser() -> ArgumentParser:
 def _add_robots(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
     group.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
-    group.add_argument(
-        "--package-path",
-        action="append",
-        default=[],
-        metavar="DIR",
-        help="a folder of ROS packages to look in first (may be repeated)",
-    )
+    add_repeated(group, "--package-path", "DIR", "a folder of ROS packages to look in first")
     group.add_argument("--workspace", metavar="DIR", help="a colcon workspace to look for packages in first")
     group.add_argument(
         "--pub",
@@ -150,9 +144,7 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
     group.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
-    group.add_argument(
-        "--echo", action="append", default=[], metavar="TOPIC", help="print a topic's messages (may be repeated)"
-    )
+    add_repeated(group, "--echo", "TOPIC", "print a topic's messages")
     group.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
     group.add_argument(
         "--plot", type=Path, metavar="FILE", help="draw joints and real-time factor over time (.png, .svg or .pdf)"

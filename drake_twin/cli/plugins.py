@@ -10,17 +10,13 @@ from pathlib import Path
 from zlib import crc32
 
 from drake_twin.errors import InputError
+from drake_twin.program import add_repeated
 
 
 def add_plugin(parser: ArgumentParser) -> None:
     """Add ``--plugin MODULE``, whose values `load_plugins` takes."""
-    parser.add_argument(
-        "--plugin",
-        action="append",
-        default=[],
-        metavar="MODULE",
-        help="import a module (a.b.c, or a .py file) that registers controllers, sensors, … (may be repeated)",
-    )
+    what = "import a module (a.b.c, or a .py file) that registers controllers, sensors, …"
+    add_repeated(parser, "--plugin", "MODULE", what)
 
 
 def load_plugins(names: Iterable[str]) -> None:

@@ -1,6 +1,6 @@
 """The state of a gripper's goal: reached, stalled or still executing."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from drake_twin.saved import saved
 
@@ -54,18 +54,18 @@ class GripperRun:
         return self.status == "executing"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StallRule:
     """What counts as reached and as stalled; names as in the gripper controllers' parameters.
 
     Attributes:
-        goal_tolerance: The largest distance at which the goal is reached (rad or m).
-        stall_velocity_threshold: The largest velocity that counts as standing still (rad/s or m/s).
-        stall_timeout: How long it must stand still to be stalled (s).
-        allow_stalling: Whether a stall is success: a gripper that closes on an object stalls.
+        goal_tolerance: The largest position error at which a goal is reached (rad or m).
+        stall_velocity_threshold: The largest speed of a gripper at rest (rad/s or m/s).
+        stall_timeout: The time at rest after which the gripper has stalled (s).
+        allow_stalling: Whether a goal succeeds if the gripper stalls before it.
     """
 
-    goal_tolerance: float = 0.01
+    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
     stall_velocity_threshold: float = 0.001
     stall_timeout: float = 1.0
     allow_stalling: bool = False

@@ -1,6 +1,6 @@
 """The PID law of control_toolbox, with its limits and its strategies against integral wind-up."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan, nan, sqrt
 
 from drake_twin.errors import InputError
@@ -39,7 +39,7 @@ class PidGains:
     u_clamp_min: float = -inf
     i_clamp_max: float = inf
     i_clamp_min: float = -inf
-    antiwindup_strategy: str = "legacy"
+    antiwindup_strategy: str = field(default="legacy", metadata={"choices": ANTIWINDUP_STRATEGIES})
     tracking_time_constant: float = 0.0
     error_deadband: float = _EPSILON
 

@@ -5,8 +5,7 @@ from math import isnan, nan
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.admittance_parameters import AdmittanceParameters
@@ -21,7 +20,6 @@ from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
-from drake_twin.systems.no_message import set_value
 
 
 @saved("AdmittanceReference")
@@ -162,23 +160,7 @@ class AdmittanceController(SensorReader, PeriodicController):
         self._reference = self.declare_topic_input("joint_references", "trajectory_msgs/msg/JointTrajectoryPoint")
         self._wrench = self.declare_topic_input("wrench_reference", "geometry_msgs/msg/WrenchStamped")
         kind = "control_msgs/msg/AdmittanceControllerState"
-        self.declare_topic_output("status", kind, self._calc_status, {self.sample_ticket()})
-
-    def get_wrench_input_port(self) -> InputPort:
-        """Return the port ``wrench``."""
-        return self.get_sensor_input_port()
-
-    def get_joint_references_input_port(self) -> InputPort:
-        """Return the port ``joint_references``."""
-        return self._reference
-
-    def get_wrench_reference_input_port(self) -> InputPort:
-        """Return the port ``wrench_reference``."""
-        return self._wrench
-
-    def get_status_output_port(self) -> OutputPort:
-        """Return the port ``status``."""
-        return self.GetOutputPort("status")
+        self.declare_message_output("status", kind, self._status)
 
     def read(self, topic: str, message: Any, context: Context) -> AdmittanceReference | AdmittanceWrench:
         """Convert a message.
@@ -254,13 +236,12 @@ class AdmittanceController(SensorReader, PeriodicController):
             velocities=merged("velocity", memory.velocities),
         )
 
-    def _calc_status(self, context: Context, output: AbstractValue) -> None:
-        sample = self.sample(context)
-        set_value(output, self._status(sample.memory, sample.time) if sample.active and sample.memory else None)
-
-    def _status(self, memory: AdmittanceMemory, time: float) -> Any:
+    def _status(self, context: Context) -> Any:
         parameters: AdmittanceParameters = self.setup.parameters
-        state, rule, frame = memory.state, self._rule, self.setup.frame
+        sample, rule, frame = self.sample(context), self._rule, self.setup.frame
+        if sample.memory is None:
+            return None
+        state, time = sample.memory.state, sample.time
         base, sensor = frame(parameters.kinematics.base), frame(parameters.ft_sensor.frame.id)
         header = messages.header(time, base)
         twist = messages.TwistStamped

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drake_twin.controllers.admittance_rule import AdmittanceRule, Kinematics
+from drake_twin.controllers.admittance_rule import AdmittanceRule
+from drake_twin.controllers.chain_kinematics import ChainKinematics
 from drake_twin.description.parameters import ParameterError
 
 _INTERFACES = {"choices": ("position", "velocity", "acceleration")}
@@ -182,7 +183,7 @@ class AdmittanceParameters:
             self.gravity_compensation.frame.id,
         )
 
-    def rule(self, kinematics: Kinematics) -> AdmittanceRule:
+    def rule(self, kinematics: ChainKinematics) -> AdmittanceRule:
         """Return the control law."""
         gains, gravity = self.admittance, self.gravity_compensation
         mass, stiffness = np.array(gains.mass), np.array(gains.stiffness)

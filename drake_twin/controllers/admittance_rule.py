@@ -1,28 +1,15 @@
 """The control law of admittance_controller: a mass, a damper and a spring between a reference and a measured wrench."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drake_twin.controllers.chain_kinematics import ChainKinematics
 from drake_twin.saved import saved
 
 _ZERO = (0.0,) * 6
 _IDENTITY = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
-
-
-class Kinematics(Protocol):
-    """Poses and differential kinematics of links relative to a base; see `ChainKinematics`."""
-
-    def pose(self, positions: np.ndarray, link: str) -> RigidTransform:
-        """Return a link's pose in the base's frame."""
-
-    def joint_deltas(self, positions: np.ndarray, deltas: np.ndarray, link: str) -> np.ndarray:
-        """Return the joints' deltas for a link's linear and angular deltas."""
-
-    def cartesian_deltas(self, positions: np.ndarray, deltas: np.ndarray, link: str) -> np.ndarray:
-        """Return a link's linear and angular deltas for the joints' deltas."""
 
 
 @saved("AdmittanceState")
@@ -84,7 +71,7 @@ class AdmittanceRule:
         joint_damping: The deceleration of each joint's offset by its velocity (1/s).
     """
 
-    kinematics: Kinematics
+    kinematics: ChainKinematics
     sensor_frame: str
     control_frame: str
     world_frame: str

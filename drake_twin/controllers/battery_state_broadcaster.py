@@ -6,15 +6,13 @@ from math import fsum, isfinite, isnan, nan
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.description.parameters import ParameterError
-from drake_twin.systems.no_message import set_value
 
 _TECHNOLOGY = {"lower": 0, "upper": 8}
 
@@ -165,7 +163,7 @@ class BatteryStateBroadcaster(HardwareSensorBroadcaster):
         return tuple(f"{name}/{item}" for name in parameters.batteries for item in parameters.interface_names(name))
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "values")
+        super().__init__(setup)
         parameters: BatteryStateBroadcasterParameters = setup.parameters
         named = dict.fromkeys((*parameters.interfaces, *parameters.properties))
         self.warnings += tuple(
@@ -175,47 +173,28 @@ class BatteryStateBroadcaster(HardwareSensorBroadcaster):
         )
         self._indices = {name: index for index, name in enumerate(self.state_interfaces(parameters))}
         kind = "sensor_msgs/msg/BatteryState"
-        self.declare_topic_output("battery_state", kind, self._calc_battery_state, self._present())
-        self.declare_topic_output(
+        self.declare_message_output("battery_state", kind, self._battery_state, self._present())
+        self.declare_message_output(
             "raw_battery_states",
             "control_msgs/msg/BatteryStateArray",
-            self._calc_raw_battery_states,
+            self._raw_battery_states,
             self._present(),
         )
 
-    def get_values_input_port(self) -> InputPort:
-        """Return the port ``values``."""
-        return self.get_sensor_input_port()
+    def _raw_battery_states(self, context: Context) -> Any:
+        return messages.BatteryStateArray(self._states(context))
 
-    def get_battery_state_output_port(self) -> OutputPort:
-        """Return the port ``battery_state``."""
-        return self.GetOutputPort("battery_state")
-
-    def get_raw_battery_states_output_port(self) -> OutputPort:
-        """Return the port ``raw_battery_states``."""
-        return self.GetOutputPort("raw_battery_states")
-
-    def _calc_raw_battery_states(self, context: Context, output: AbstractValue) -> None:
-        states = self._states(context)
-        set_value(output, messages.BatteryStateArray(states) if self.sample(context).active else None)
-
-    def _calc_battery_state(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _battery_state(self, context: Context) -> Any:
         parameters: BatteryStateBroadcasterParameters = self.setup.parameters
         header = messages.header(context.get_time())
         if parameters.sensor_name:
-            output.set_value(
-                _battery_state(
-                    header=header,
-                    voltage=float(self._sensor.Eval(context)[0]),
-                    capacity=0.0,
-                    design_capacity=parameters.design_capacity,
-                    power_supply_technology=parameters.power_supply_technology,
-                )
+            return _battery_state(
+                header=header,
+                voltage=float(self._sensor.Eval(context)[0]),
+                capacity=0.0,
+                design_capacity=parameters.design_capacity,
+                power_supply_technology=parameters.power_supply_technology,
             )
-            return
         states = self._states(context)
         pairs = list(zip(parameters.batteries, states, strict=True))
 
@@ -234,22 +213,20 @@ class BatteryStateBroadcaster(HardwareSensorBroadcaster):
             and not isnan(parameters.properties_of(name).percentage(0.0))
         ]
         technologies = {state.power_supply_technology for state in states}
-        output.set_value(
-            _battery_state(
-                header=header,
-                voltage=_mean(state.voltage for state in states),
-                temperature=_mean(read("temperature")),
-                current=_mean(read("current")),
-                charge=fsum(read("charge")) if read("charge") else nan,
-                capacity=fsum(state.capacity for state in states),
-                design_capacity=fsum(state.design_capacity for state in states),
-                percentage=_mean([*read("percentage"), *from_voltage]),
-                power_supply_status=max(state.power_supply_status for state in states),
-                power_supply_health=max(state.power_supply_health for state in states),
-                power_supply_technology=technologies.pop() if len(technologies) == 1 else 0,
-                location="".join(f"{state.location}, " for state in states),
-                serial_number="".join(f"{state.serial_number}, " for state in states),
-            )
+        return _battery_state(
+            header=header,
+            voltage=_mean(state.voltage for state in states),
+            temperature=_mean(read("temperature")),
+            current=_mean(read("current")),
+            charge=fsum(read("charge")) if read("charge") else nan,
+            capacity=fsum(state.capacity for state in states),
+            design_capacity=fsum(state.design_capacity for state in states),
+            percentage=_mean([*read("percentage"), *from_voltage]),
+            power_supply_status=max(state.power_supply_status for state in states),
+            power_supply_health=max(state.power_supply_health for state in states),
+            power_supply_technology=technologies.pop() if len(technologies) == 1 else 0,
+            location="".join(f"{state.location}, " for state in states),
+            serial_number="".join(f"{state.serial_number}, " for state in states),
         )
 
     def _states(self, context: Context) -> list[Any]:

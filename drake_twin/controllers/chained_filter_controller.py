@@ -174,7 +174,7 @@ class ChainedFilterParameters:
     @property
     def inputs(self) -> tuple[Interface, ...]:
         """The state interfaces that are filtered."""
-        return tuple(_interface(name) for name in self.input_interfaces)
+        return tuple(Interface(*name.rpartition("/")[::2]) for name in self.input_interfaces)
 
     def chain(self, interface: str) -> Mapping[str, ChainFilter]:
         """Return the filters of an interface, of which the first gap ends the chain."""
@@ -326,12 +326,6 @@ class ChainedFilter(PeriodicController):
     def _calc_state_interfaces(self, context: Context, output: BasicVector) -> None:
         memory: ChainedFilterMemory | None = self.sample(context).memory
         output.SetFromVector([nan] * len(self._chains) if memory is None else memory.values)
-
-
-def _interface(name: str) -> Interface:
-    """Return an interface by its full name; the last slash separates its own name from its owner's."""
-    owner, _, own = name.rpartition("/")
-    return Interface(owner, own)
 
 
 def _in_order(chain: Mapping[str, ChainFilter]) -> Iterator[ChainFilter]:

@@ -11,10 +11,8 @@ from drake_twin.control.gripper import GripperGoal
 from drake_twin.control.pid import Pid, PidGains, PidMemory
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.gripper_action_controller import GripperActionController, GripperActionParameters
-from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_group_controller import JointGroupController
 from drake_twin.controllers.registry import controller
-from drake_twin.description.robot_description import RobotDescription
 
 
 @controller("effort_controllers/JointGroupEffortController")
@@ -62,13 +60,7 @@ class EffortGripperActionController(GripperActionController):
     """
 
     Parameters: ClassVar[type] = EffortGripperActionParameters
-
-    @classmethod
-    def claimed_interfaces(
-        cls, parameters: EffortGripperActionParameters, description: RobotDescription
-    ) -> tuple[Interface, ...]:
-        """Return the joint's effort."""
-        return (Interface(parameters.joint, "effort"),)
+    interface = "effort"
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, EventStatus, InputPort, OutputPort, State
+from pydrake.systems.framework import Context, EventStatus, State
 
 from drake_twin import messages
 from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
@@ -16,7 +15,6 @@ from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError, described
 from drake_twin.saved import saved
-from drake_twin.systems.no_message import set_value
 from drake_twin.systems.weak_callback import weakly
 
 _AXES = tuple((vector, axis) for vector in ("force", "torque") for axis in "xyz")
@@ -213,9 +211,8 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         self._offset = np.array(list(_of_axes(parameters.offset)))
         self._multiplier = np.array(list(_of_axes(parameters.multiplier)))
         kind = "geometry_msgs/msg/WrenchStamped"
-        self.declare_topic_output("wrench", kind, self._calc_wrench, self._present())
-        sample = {self.sample_ticket()}
-        self.declare_topic_output("wrench_filtered", kind, self._calc_wrench_filtered, sample)
+        self.declare_message_output("wrench", kind, self._wrench_now, self._present())
+        self.declare_message_output("wrench_filtered", kind, self._wrench_filtered)
 
     def declare_updates(self) -> bool:
         """Declare the updates of the filters, if there are any."""
@@ -224,18 +221,6 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
                 self.setup.update_period, self.setup.update_offset, weakly(self._update_filters)
             )
         return bool(self._filters)
-
-    def get_wrench_input_port(self) -> InputPort:
-        """Return the input port ``wrench``."""
-        return self.get_sensor_input_port()
-
-    def get_wrench_output_port(self) -> OutputPort:
-        """Return the output port ``wrench``."""
-        return self.GetOutputPort("wrench")
-
-    def get_wrench_filtered_output_port(self) -> OutputPort:
-        """Return the output port ``wrench_filtered``."""
-        return self.GetOutputPort("wrench_filtered")
 
     def _wrench(self, context: Context) -> np.ndarray:
         values = np.append(self._sensor.Eval(context), np.nan)[self._elements]
@@ -263,14 +248,12 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
             memories.append(memory)
         return FilteredWrench(tuple(wrench.tolist()), tuple(memories))
 
-    def _calc_wrench(self, context: Context, output: AbstractValue) -> None:
-        is_active = self.sample(context).active
-        set_value(output, self._message(self._wrench(context), context.get_time()) if is_active else None)
+    def _wrench_now(self, context: Context) -> Any:
+        return self._message(self._wrench(context), context.get_time())
 
-    def _calc_wrench_filtered(self, context: Context, output: AbstractValue) -> None:
+    def _wrench_filtered(self, context: Context) -> Any:
         sample = self.sample(context)
-        is_there = sample.active and sample.memory is not None
-        set_value(output, self._message(np.array(sample.memory.wrench), sample.time) if is_there else None)
+        return None if sample.memory is None else self._message(np.array(sample.memory.wrench), sample.time)
 
     def _message(self, wrench: np.ndarray, time: float) -> Any:
         fx, fy, fz, tx, ty, tz = wrench.tolist()

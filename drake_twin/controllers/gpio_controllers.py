@@ -149,10 +149,6 @@ class GpioCommandController(Controller):
             {self.time_ticket(), self.input_port_ticket(self._states.get_index())},
         )
 
-    def get_gpio_states_input_port(self) -> InputPort:
-        """Return the input port ``gpio_states``."""
-        return self._states
-
     def get_commands_input_port(self) -> InputPort:
         """Return the port ``commands``."""
         return self._commands

@@ -1,19 +1,17 @@
 """A GPS's values as messages, as ros2_controllers' gps_sensor_broadcaster publishes them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isnan
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
+from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import check_covariances
-from drake_twin.systems.no_message import set_value
 
 _INTERFACES = ("status", "service", "latitude", "longitude", "altitude")
 _COVARIANCES = ("latitude_covariance", "longitude_covariance", "altitude_covariance")
@@ -30,13 +28,10 @@ class GPSSensorBroadcasterParameters:
         read_covariance_from_interface: Whether the diagonal of the covariance comes from the sensor's state interfaces.
     """
 
-    sensor_name: str
-    frame_id: str
+    sensor_name: str = field(metadata={"not_empty": True})
+    frame_id: str = field(metadata={"not_empty": True})
     static_position_covariance: tuple[float, ...] = (0.0,) * 9
     read_covariance_from_interface: bool = False
-
-    def __post_init__(self) -> None:
-        check_given(self, "sensor_name", "frame_id")
 
 
 @controller("gps_sensor_broadcaster/GPSSensorBroadcaster")
@@ -69,38 +64,25 @@ class GPSSensorBroadcaster(HardwareSensorBroadcaster):
         return tuple(f"{parameters.sensor_name}/{name}" for name in names)
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "values")
+        super().__init__(setup)
         check_covariances(setup, "static_position_covariance")
-        self.declare_topic_output("gps/fix", "sensor_msgs/msg/NavSatFix", self._calc_fix, self._present())
+        self.declare_message_output("gps/fix", "sensor_msgs/msg/NavSatFix", self._fix, self._present())
 
-    def get_values_input_port(self) -> InputPort:
-        """Return the port ``values``."""
-        return self.get_sensor_input_port()
-
-    def get_fix_output_port(self) -> OutputPort:
-        """Return the port ``gps/fix``."""
-        return self.GetOutputPort("gps/fix")
-
-    def _calc_fix(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _fix(self, context: Context) -> Any:
         parameters: GPSSensorBroadcasterParameters = self.setup.parameters
         status, service, latitude, longitude, altitude, *variances = self._sensor.Eval(context).tolist()
         kind, state = messages.NavSatFix, messages.NavSatStatus
         known = kind.COVARIANCE_TYPE_DIAGONAL_KNOWN if variances else kind.COVARIANCE_TYPE_KNOWN
         covariance = np.diag(variances).ravel() if variances else np.array(parameters.static_position_covariance)
-        output.set_value(
-            kind(
-                header=messages.header(context.get_time(), self.setup.frame(parameters.frame_id)),
-                status=state(
-                    status=state.STATUS_UNKNOWN if isnan(status) else int(status),
-                    service=state.SERVICE_UNKNOWN if isnan(service) else int(service),
-                ),
-                latitude=latitude,
-                longitude=longitude,
-                altitude=altitude,
-                position_covariance=covariance,
-                position_covariance_type=known,
-            )
+        return kind(
+            header=messages.header(context.get_time(), self.setup.frame(parameters.frame_id)),
+            status=state(
+                status=state.STATUS_UNKNOWN if isnan(status) else int(status),
+                service=state.SERVICE_UNKNOWN if isnan(service) else int(service),
+            ),
+            latitude=latitude,
+            longitude=longitude,
+            altitude=altitude,
+            position_covariance=covariance,
+            position_covariance_type=known,
         )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any, ClassVar
 
-from pydrake.systems.framework import Context, InputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal, GripperRun, StallRule, judged
@@ -12,33 +12,27 @@ from drake_twin.control.pid import PidMemory
 from drake_twin.controllers.action_controller import ActionController
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE, GoalState
+from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
 
 
 @dataclass(frozen=True)
-class GripperActionParameters:
+class GripperActionParameters(StallRule):
     """Parameters of ``position_controllers/GripperActionController``.
 
     Attributes:
         joint: The gripper's joint.
         action_monitor_rate: The rate at which the goal's state is checked (Hz).
-        goal_tolerance: The largest position error at which a goal is reached (rad or m).
         max_effort: The largest effort before the first goal, which has its own (N·m or N). Unused with a position
             interface.
-        allow_stalling: Whether a goal succeeds if the gripper stalls before it.
-        stall_velocity_threshold: The largest speed of a gripper at rest (rad/s or m/s).
-        stall_timeout: The time at rest after which the gripper has stalled (s).
     """
 
     joint: str = field(metadata={"not_empty": True})
     action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
-    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
     max_effort: float = field(default=0.0, metadata={"lower": 0.0})
-    allow_stalling: bool = False
-    stall_velocity_threshold: float = 0.001
-    stall_timeout: float = 1.0
 
 
 @saved("GripperMemory")
@@ -75,21 +69,16 @@ class GripperActionController(ActionController):
 
     Parameters: ClassVar[type] = GripperActionParameters
     action = "control_msgs/action/GripperCommand"
+    interface = "position"
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """Return the interface of the joint."""
+        return (Interface(parameters.joint, cls.interface),)
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
-        parameters = setup.parameters
-        self._rule = StallRule(
-            goal_tolerance=parameters.goal_tolerance,
-            stall_velocity_threshold=parameters.stall_velocity_threshold,
-            stall_timeout=parameters.stall_timeout,
-            allow_stalling=parameters.allow_stalling,
-        )
         self._goal_port = self.declare_action_input("gripper_cmd", self.action)
-
-    def get_gripper_cmd_input_port(self) -> InputPort:
-        """Return the port ``gripper_cmd``."""
-        return self._goal_port
 
     def read(self, topic: str, message: Any, context: Context) -> GripperGoal:
         """Convert a goal to plain numbers and assign it the next id.
@@ -120,7 +109,8 @@ class GripperActionController(ActionController):
         (velocity,) = self.velocities(context, [self.setup.parameters.joint]).tolist()
         was_executing = memory.run.is_executing
         effort = self._effort(context, memory.goal)
-        run = judged(memory.run, self._rule, time, memory.goal.position, position, velocity, effort)
+        rule: StallRule = self.setup.parameters
+        run = judged(memory.run, rule, time, memory.goal.position, position, velocity, effort)
         commands, pid = self._commands(memory.goal, memory.pid, position, velocity, time - self.sample(context).time)
         return Update(GripperMemory(memory.goal, run, pid), commands, was_executing and not run.is_executing)
 

@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
-from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 
 
@@ -15,6 +15,9 @@ class HardwareSensorBroadcaster(SensorBroadcaster):
     """
 
     kind = ""
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup, "values")
 
     @classmethod
     def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
@@ -29,14 +32,3 @@ class HardwareSensorBroadcaster(SensorBroadcaster):
         if not description.hardware_sensors:
             has = "it has no sensor"
         return f"<ros2_control> has no state interface {', '.join(missing)} ({has})"
-
-
-def check_given(parameters: Any, *names: str) -> None:
-    """Check parameters that must not be empty.
-
-    Raises:
-        ParameterError: If one is empty.
-    """
-    for name in names:
-        if not getattr(parameters, name):
-            raise ParameterError(f"{name} is empty", name)

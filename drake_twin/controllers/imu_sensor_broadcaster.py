@@ -1,17 +1,15 @@
 """An IMU's values as messages, as ros2_controllers' imu_sensor_broadcaster publishes them."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster, check_covariances
-from drake_twin.systems.no_message import set_value
 
 _UNKNOWN_SPREAD = (0.0,) * 9
 _INTERFACES = (
@@ -74,30 +72,17 @@ class IMUSensorBroadcaster(SensorBroadcaster):
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup, "spatial")
         check_covariances(setup, *_COVARIANCES)
-        self.declare_topic_output("imu", "sensor_msgs/msg/Imu", self._calc_imu, self._present())
+        self.declare_message_output("imu", "sensor_msgs/msg/Imu", self._imu, self._present())
 
-    def get_spatial_input_port(self) -> InputPort:
-        """Return the port ``spatial``."""
-        return self.get_sensor_input_port()
-
-    def get_imu_output_port(self) -> OutputPort:
-        """Return the port ``imu``."""
-        return self.GetOutputPort("imu")
-
-    def _calc_imu(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _imu(self, context: Context) -> Any:
         qw, qx, qy, qz, wx, wy, wz, ax, ay, az = self._sensor.Eval(context).tolist()
         spreads = [np.array(getattr(self.setup.parameters, name)) for name in _COVARIANCES]
-        output.set_value(
-            messages.Imu(
-                header=messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id)),
-                orientation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
-                orientation_covariance=spreads[0],
-                angular_velocity=messages.Vector3(x=wx, y=wy, z=wz),
-                angular_velocity_covariance=spreads[1],
-                linear_acceleration=messages.Vector3(x=ax, y=ay, z=az),
-                linear_acceleration_covariance=spreads[2],
-            )
+        return messages.Imu(
+            header=messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id)),
+            orientation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
+            orientation_covariance=spreads[0],
+            angular_velocity=messages.Vector3(x=wx, y=wy, z=wz),
+            angular_velocity_covariance=spreads[1],
+            linear_acceleration=messages.Vector3(x=ax, y=ay, z=az),
+            linear_acceleration_covariance=spreads[2],
         )

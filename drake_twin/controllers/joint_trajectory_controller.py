@@ -5,7 +5,6 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any, ClassVar
 
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort
 
 from drake_twin.control.tolerances import Tolerances, goal_tolerances
@@ -33,7 +32,6 @@ from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
-from drake_twin.systems.no_message import set_value
 
 _log = logging.getLogger(__name__)
 
@@ -127,20 +125,13 @@ class JointTrajectoryController(ActionController):
             if commands == ("position",)
             else None
         )
-        self.declare_topic_output(
-            "controller_state",
-            "control_msgs/msg/JointTrajectoryControllerState",
-            self._calc_controller_state,
-            {self.sample_ticket()},
+        self.declare_message_output(
+            "controller_state", "control_msgs/msg/JointTrajectoryControllerState", self._controller_state
         )
 
     def get_joint_trajectory_input_port(self) -> InputPort:
         """Return the port ``joint_trajectory``."""
         return self._topic_port
-
-    def get_follow_joint_trajectory_input_port(self) -> InputPort:
-        """Return the port ``follow_joint_trajectory``."""
-        return self._goal_port
 
     def read(self, topic: str, message: Any, context: Context) -> Any:
         """Convert a message or goal to a trajectory in the controller's order of joints; check a speed scaling factor.
@@ -242,7 +233,7 @@ class JointTrajectoryController(ActionController):
     def _newest_id(self, context: Context) -> int:
         return self.newest_id(context, self._topic_port, self._goal_port)
 
-    def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
+    def _controller_state(self, context: Context) -> Any:
         sample = self.sample(context)
-        has_commanded = sample.active and sample.memory.output != TrajectoryPoint()
-        set_value(output, state_message(self._joints, sample.time, sample.memory) if has_commanded else None)
+        has_commanded = sample.memory is not None and sample.memory.output != TrajectoryPoint()
+        return state_message(self._joints, sample.time, sample.memory) if has_commanded else None

@@ -1,10 +1,10 @@
 """Parameters of joint_trajectory_controller (Jazzy) and their valid combinations."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
-from drake_twin.control.pid import ANTIWINDUP_STRATEGIES, PidGains
+from drake_twin.control.pid import PidGains
 from drake_twin.control.trajectory import INTERPOLATION_METHODS
 from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE
 from drake_twin.errors import InputError
@@ -27,14 +27,15 @@ class SpeedScaling:
 
 
 @dataclass(frozen=True)
-class JointTrajectoryGains:
+class JointTrajectoryGains(PidGains):
     """The PID of one joint, used with the interface ``velocity`` or ``effort`` alone.
 
     Attributes:
         p: Proportional gain.
         i: Integral gain.
         d: Derivative gain.
-        i_clamp: The bound of the integral term in both directions; the next two override it.
+        i_clamp: The bound of the integral term in both directions; ``i_clamp_max`` and ``i_clamp_min``
+            override it.
         i_clamp_max: The highest integral term.
         i_clamp_min: The lowest integral term.
         ff_velocity_scale: The factor with which the trajectory's velocity is added to the command.
@@ -45,33 +46,17 @@ class JointTrajectoryGains:
         error_deadband: An error of at most this is not integrated.
     """
 
-    p: float = 0.0
-    i: float = 0.0
-    d: float = 0.0
     i_clamp: float = inf
-    i_clamp_max: float = inf
-    i_clamp_min: float = -inf
     ff_velocity_scale: float = 0.0
-    u_clamp_max: float = inf
-    u_clamp_min: float = -inf
-    antiwindup_strategy: str = field(default="legacy", metadata={"choices": ANTIWINDUP_STRATEGIES})
-    tracking_time_constant: float = 0.0
     error_deadband: float = 0.0
 
     @property
     def pid_gains(self) -> PidGains:
-        """The gains of the PID."""
-        return PidGains(
-            p=self.p,
-            i=self.i,
-            d=self.d,
-            u_clamp_max=self.u_clamp_max,
-            u_clamp_min=self.u_clamp_min,
+        """The gains with the bounds of the integral term that hold."""
+        return replace(
+            self,
             i_clamp_max=self.i_clamp_max if isfinite(self.i_clamp_max) else self.i_clamp,
             i_clamp_min=self.i_clamp_min if isfinite(self.i_clamp_min) else -self.i_clamp,
-            antiwindup_strategy=self.antiwindup_strategy,
-            tracking_time_constant=self.tracking_time_constant,
-            error_deadband=self.error_deadband,
         )
 
 

@@ -1,18 +1,16 @@
 """A magnetometer's values as messages, as ros2_controllers' magnetometer_broadcaster publishes them."""
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
+from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import check_covariances
-from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True)
@@ -25,12 +23,9 @@ class MagnetometerBroadcasterParameters:
         static_covariance: Nine numbers, row by row (T²).
     """
 
-    sensor_name: str
-    frame_id: str
+    sensor_name: str = field(metadata={"not_empty": True})
+    frame_id: str = field(metadata={"not_empty": True})
     static_covariance: tuple[float, ...] = (0.0,) * 9
-
-    def __post_init__(self) -> None:
-        check_given(self, "sensor_name", "frame_id")
 
 
 @controller("magnetometer_broadcaster/MagnetometerBroadcaster")
@@ -61,28 +56,15 @@ class MagnetometerBroadcaster(HardwareSensorBroadcaster):
         return tuple(f"{parameters.sensor_name}/magnetic_field.{axis}" for axis in "xyz")
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "values")
+        super().__init__(setup)
         check_covariances(setup, "static_covariance")
         kind = "sensor_msgs/msg/MagneticField"
-        self.declare_topic_output("magnetic_field", kind, self._calc_magnetic_field, self._present())
+        self.declare_message_output("magnetic_field", kind, self._magnetic_field, self._present())
 
-    def get_values_input_port(self) -> InputPort:
-        """Return the port ``values``."""
-        return self.get_sensor_input_port()
-
-    def get_magnetic_field_output_port(self) -> OutputPort:
-        """Return the port ``magnetic_field``."""
-        return self.GetOutputPort("magnetic_field")
-
-    def _calc_magnetic_field(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _magnetic_field(self, context: Context) -> Any:
         parameters: MagnetometerBroadcasterParameters = self.setup.parameters
-        output.set_value(
-            messages.MagneticField(
-                header=messages.header(context.get_time(), self.setup.frame(parameters.frame_id)),
-                magnetic_field=messages.Vector3(*self._sensor.Eval(context).tolist()),
-                magnetic_field_covariance=np.array(parameters.static_covariance),
-            )
+        return messages.MagneticField(
+            header=messages.header(context.get_time(), self.setup.frame(parameters.frame_id)),
+            magnetic_field=messages.Vector3(*self._sensor.Eval(context).tolist()),
+            magnetic_field_covariance=np.array(parameters.static_covariance),
         )

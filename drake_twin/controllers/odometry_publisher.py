@@ -1,14 +1,13 @@
 """A robot's true pose and velocity as odometry, as gz-sim's OdometryPublisher publishes them."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Context, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
@@ -23,7 +22,6 @@ from drake_twin.description.robot_description import Pose
 from drake_twin.kinematics.rotations import along_heading, heading_of, rotated
 from drake_twin.sensors.motion_sensor import SIZE, MotionSensor
 from drake_twin.sensors.sensor_setup import transform
-from drake_twin.systems.no_message import set_value
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -92,11 +90,11 @@ class OdometryPublisher(TruthBroadcaster):
         self._frames = odom_frame, odometry_frames(*named)[1]
         self._covariance = np.diag([parameters.gaussian_noise**2] * 6).ravel()
         kind = "nav_msgs/msg/Odometry"
-        self.declare_topic_output("odom", kind, self._calc_odom, self._present())
-        self.declare_topic_output("odom_with_covariance", kind, self._calc_with_covariance, self._present())
+        self.declare_message_output("odom", kind, self._odom, self._present())
+        self.declare_message_output("odom_with_covariance", kind, self._odom_with_covariance, self._present())
         if parameters.enable_odom_tf:
             self.odometry_frames = self._frames
-            self.declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf, self._present())
+            self.declare_message_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._tf, self._present())
 
     def num_values(self) -> int:
         """Return the size of the port ``motion``."""
@@ -111,44 +109,31 @@ class OdometryPublisher(TruthBroadcaster):
         body = plant.GetBodyByName(drake_link_name(description.root_link), instance)
         return MotionSensor(body.index(), X_RF)
 
-    def get_odom_output_port(self) -> OutputPort:
-        """Return the port ``odom``."""
-        return self.GetOutputPort("odom")
+    def _odom(self, context: Context) -> Any:
+        return self._odometry(context, np.zeros(36))
 
-    def _calc_odom(self, context: Context, output: AbstractValue) -> None:
-        self._set_odometry(context, output, np.zeros(36))
+    def _odom_with_covariance(self, context: Context) -> Any:
+        return self._odometry(context, self._covariance)
 
-    def _calc_with_covariance(self, context: Context, output: AbstractValue) -> None:
-        self._set_odometry(context, output, self._covariance)
-
-    def _set_odometry(self, context: Context, output: AbstractValue, covariance: np.ndarray) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _odometry(self, context: Context, covariance: np.ndarray) -> Any:
         x, y, z, *quaternion = self._pose(context)
         angular, linear = self._velocity(context, quaternion)
         odom_frame, base_frame = self._frames
-        output.set_value(
-            messages.Odometry(
-                header=messages.header(context.get_time(), odom_frame),
-                child_frame_id=base_frame,
-                pose=messages.PoseWithCovariance(
-                    pose=messages.Pose(messages.Point(x, y, z), messages.Quaternion(*quaternion)),
-                    covariance=covariance.copy(),
-                ),
-                twist=messages.TwistWithCovariance(
-                    twist=messages.Twist(linear=messages.Vector3(*linear), angular=messages.Vector3(*angular)),
-                    covariance=covariance.copy(),
-                ),
-            )
+        return messages.Odometry(
+            header=messages.header(context.get_time(), odom_frame),
+            child_frame_id=base_frame,
+            pose=messages.PoseWithCovariance(
+                pose=messages.Pose(messages.Point(x, y, z), messages.Quaternion(*quaternion)),
+                covariance=covariance.copy(),
+            ),
+            twist=messages.TwistWithCovariance(
+                twist=messages.Twist(linear=messages.Vector3(*linear), angular=messages.Vector3(*angular)),
+                covariance=covariance.copy(),
+            ),
         )
 
-    def _calc_tf(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
-        transform_of_base = transform_message(context.get_time(), *self._frames, self._pose(context))
-        output.set_value(messages.TFMessage([transform_of_base]))
+    def _tf(self, context: Context) -> Any:
+        return messages.TFMessage([transform_message(context.get_time(), *self._frames, self._pose(context))])
 
     def _pose(self, context: Context) -> list[float]:
         """Return the place (m) and the orientation (x, y, z, w)."""

@@ -10,40 +10,28 @@ from pydrake.systems.framework import Context
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal
 from drake_twin.control.pid import PidMemory
-from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE
-from drake_twin.controllers.gripper_action_controller import GripperActionController
+from drake_twin.controllers.gripper_action_controller import GripperActionController, GripperActionParameters
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 
 
-@dataclass(frozen=True)
-class ParallelGripperActionParameters:
+@dataclass(frozen=True, kw_only=True)
+class ParallelGripperActionParameters(GripperActionParameters):
     """Parameters of ``parallel_gripper_action_controller/GripperActionController``.
 
     Attributes:
-        joint: The gripper's joint.
-        action_monitor_rate: The rate at which the goal's state is checked (Hz).
         state_interfaces: The joint's state interfaces.
-        goal_tolerance: The largest position error at which a goal is reached (rad or m).
-        allow_stalling: Whether a goal succeeds if the gripper stalls before it.
-        stall_velocity_threshold: The largest speed of a gripper at rest (rad/s or m/s).
-        stall_timeout: The time at rest after which the gripper has stalled (s).
         max_effort_interface: The full name of a command interface that takes the largest effort; empty for none.
         max_effort: The largest effort of a goal without one (N·m or N).
         max_velocity_interface: The full name of a command interface that takes the largest velocity; empty for none.
         max_velocity: The largest velocity of a goal without one (rad/s or m/s).
     """
 
-    joint: str = field(metadata={"not_empty": True})
-    action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     state_interfaces: tuple[str, ...] = field(
         default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
     )
-    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
-    allow_stalling: bool = False
-    stall_velocity_threshold: float = 0.001
     stall_timeout: float = field(default=1.0, metadata={"lower": 0.0})
     max_effort_interface: str = ""
     max_effort: float = field(default=10.0, metadata={"lower": 0.0})

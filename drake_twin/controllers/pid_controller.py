@@ -1,16 +1,15 @@
 """PID control of each degree of freedom, as in ros2_controllers' pid_controller."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from math import inf, isfinite, nan, pi
+from dataclasses import dataclass, field
+from math import isfinite, nan, pi
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context, InputPort
 
 from drake_twin import messages
-from drake_twin.control.pid import ANTIWINDUP_STRATEGIES, Pid, PidGains, PidMemory
+from drake_twin.control.pid import Pid, PidGains, PidMemory
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
@@ -18,11 +17,10 @@ from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.saved import saved
-from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True)
-class PidControllerGains:
+class PidControllerGains(PidGains):
     """The gains of one degree of freedom.
 
     Attributes:
@@ -44,16 +42,7 @@ class PidControllerGains:
         activate_state_publisher: Whether each PID publishes its own state.
     """
 
-    p: float = 0.0
-    i: float = 0.0
-    d: float = 0.0
-    u_clamp_max: float = inf
-    u_clamp_min: float = -inf
     antiwindup: bool = False
-    i_clamp_max: float = inf
-    i_clamp_min: float = -inf
-    antiwindup_strategy: str = field(default="legacy", metadata={"choices": ANTIWINDUP_STRATEGIES})
-    tracking_time_constant: float = 0.0
     error_deadband: float = 1e-16
     feedforward_gain: float = 0.0
     angle_wraparound: bool = False
@@ -191,22 +180,13 @@ class PidController(PeriodicController):
                 " one or two are needed"
             )
         self._gains = [parameters.gains.get(name, PidControllerGains()) for name in parameters.dof_names]
-        self._pids = [Pid(_pid_gains(gains)) for gains in self._gains]
+        self._pids = [Pid(gains) for gains in self._gains]
         self._reference = self.declare_topic_input("reference", "control_msgs/msg/MultiDOFCommand")
-        self.declare_topic_output(
-            "controller_state",
-            "control_msgs/msg/MultiDOFStateStamped",
-            self._calc_controller_state,
-            {self.sample_ticket()},
-        )
+        self.declare_message_output("controller_state", "control_msgs/msg/MultiDOFStateStamped", self._controller_state)
 
     def get_reference_input_port(self) -> InputPort:
         """Return the port ``reference``."""
         return self._reference
-
-    def get_controller_state_output_port(self) -> OutputPort:
-        """Return the port ``controller_state``."""
-        return self.GetOutputPort("controller_state")
 
     def read(self, topic: str, message: Any, context: Context) -> PidReference:
         """Convert a message: its elements in the controller's order.
@@ -296,12 +276,11 @@ class PidController(PeriodicController):
         command, memory = self._pids[index].compute(error, error_dot, dt, memory)
         return command + (forward if isfinite(forward) else 0.0), memory
 
-    def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
+    def _controller_state(self, context: Context) -> Any:
         sample = self.sample(context)
         memory: PidControllerMemory | None = sample.memory
-        if memory is None or not sample.active:
-            set_value(output, None)
-            return
+        if memory is None:
+            return None
         with_derivative = len(self._interfaces) == 2
         states = [
             messages.SingleDOFState(
@@ -316,11 +295,7 @@ class PidController(PeriodicController):
             )
             for i, name in enumerate(self._dofs)
         ]
-        output.set_value(messages.MultiDOFStateStamped(header=messages.header(sample.time), dof_states=states))
-
-
-def _pid_gains(gains: PidControllerGains) -> PidGains:
-    return PidGains(**{item.name: getattr(gains, item.name) for item in fields(PidGains)})
+        return messages.MultiDOFStateStamped(header=messages.header(sample.time), dof_states=states)
 
 
 def _error(reference: float, measured: float, wraps: bool) -> float:

@@ -2,21 +2,19 @@
 
 from dataclasses import dataclass, field
 from math import fsum, isfinite
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
+from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import transform_message
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.sensors.pose_sensor import MeasuredPose, PoseSensor
-from drake_twin.systems.no_message import set_value
 
 _INTERFACES = (*(f"position.{axis}" for axis in "xyz"), *(f"orientation.{axis}" for axis in "xyzw"))
 _LENGTH_TOLERANCE = 0.01  # of a quaternion's squared length: upstream's 10e-3
@@ -49,12 +47,9 @@ class PoseBroadcasterParameters:
         tf: The transform of the pose.
     """
 
-    frame_id: str
-    pose_name: str
+    frame_id: str = field(metadata={"not_empty": True})
+    pose_name: str = field(metadata={"not_empty": True})
     tf: PoseTransform = PoseTransform()
-
-    def __post_init__(self) -> None:
-        check_given(self, "frame_id", "pose_name")
 
 
 @controller("pose_broadcaster/PoseBroadcaster")
@@ -96,9 +91,9 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
         return tuple(f"{parameters.pose_name}/{name}" for name in _INTERFACES)
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "values")
+        super().__init__(setup)
         parameters: PoseBroadcasterParameters = setup.parameters
-        self.declare_topic_output("pose", "geometry_msgs/msg/PoseStamped", self._calc_pose, self._present())
+        self.declare_message_output("pose", "geometry_msgs/msg/PoseStamped", self._pose, self._present())
         self._link = _link(setup)
         if self._link is None:
             names = f"tf.child_frame_id ({parameters.tf.child_frame_id!r}) and pose_name ({parameters.pose_name!r})"
@@ -110,7 +105,7 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
             self.warnings += (f"the frame {child!r} has its parent in the robot's file: its pose is not on /tf",)
             return
         self.odometry_frames = (setup.frame(parameters.frame_id), setup.frame_prefix + child)
-        self.declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf, self._present())
+        self.declare_message_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._tf, self._present())
 
     def own_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> PoseSensor | None:
         """Return a sensor of the link's pose; None if no link is named."""
@@ -122,33 +117,18 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
         reference = plant.GetBodyByName(drake_link_name(frame), instance) if is_link else plant.world_body()
         return PoseSensor([MeasuredPose(body.index(), reference.index())])
 
-    def get_values_input_port(self) -> InputPort:
-        """Return the port ``values``."""
-        return self.get_sensor_input_port()
-
-    def get_pose_output_port(self) -> OutputPort:
-        """Return the port ``pose``."""
-        return self.GetOutputPort("pose")
-
-    def _calc_pose(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _pose(self, context: Context) -> Any:
         x, y, z, *quaternion = self._sensor.Eval(context).tolist()
-        output.set_value(
-            messages.PoseStamped(
-                header=messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id)),
-                pose=messages.Pose(messages.Point(x, y, z), messages.Quaternion(*quaternion)),
-            )
+        return messages.PoseStamped(
+            header=messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id)),
+            pose=messages.Pose(messages.Point(x, y, z), messages.Quaternion(*quaternion)),
         )
 
-    def _calc_tf(self, context: Context, output: AbstractValue) -> None:
+    def _tf(self, context: Context) -> Any:
         values = self._sensor.Eval(context).tolist()
-        if not self.sample(context).active or not _is_pose(values) or self.odometry_frames is None:
-            set_value(output, None)
-            return
-        transform = transform_message(context.get_time(), *self.odometry_frames, values)
-        output.set_value(messages.TFMessage([transform]))
+        if not _is_pose(values) or self.odometry_frames is None:
+            return None
+        return messages.TFMessage([transform_message(context.get_time(), *self.odometry_frames, values)])
 
 
 def _link(setup: ControllerSetup) -> str | None:

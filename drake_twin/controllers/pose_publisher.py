@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex
-from pydrake.systems.framework import Context, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
@@ -18,7 +17,6 @@ from drake_twin.description.gazebo_drive import POSE_PUBLISHER
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.sensors.pose_sensor import MeasuredPose, PoseSensor
 from drake_twin.sensors.sensor_setup import transform
-from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +62,7 @@ class PosePublisher(TruthBroadcaster):
         super().__init__(setup, "poses")
         links = [(setup.robot, f"{setup.robot}/{link}") for link in self._links()]
         self._frames = [("world", setup.robot), *links] if setup.parameters.publish_model_pose else links
-        self.declare_topic_output("pose", "tf2_msgs/msg/TFMessage", self._calc_pose, self._present())
+        self.declare_message_output("pose", "tf2_msgs/msg/TFMessage", self._pose, self._present())
 
     def num_values(self) -> int:
         """Return the size of the port ``poses``."""
@@ -83,25 +81,16 @@ class PosePublisher(TruthBroadcaster):
             poses.insert(0, MeasuredPose(root, plant.world_body().index(), X_BP=X_RM))
         return PoseSensor(poses)
 
-    def get_pose_output_port(self) -> OutputPort:
-        """Return the port ``pose``."""
-        return self.GetOutputPort("pose")
-
     def _links(self) -> tuple[str, ...]:
         """Return the links whose poses are published."""
         return self.setup.description.links if self.setup.parameters.publish_link_pose else ()
 
-    def _calc_pose(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _pose(self, context: Context) -> Any:
         values = self._sensor.Eval(context).reshape(-1, 7).tolist()
         time = context.get_time()
-        output.set_value(
-            messages.TFMessage(
-                [
-                    transform_message(time, parent, child, pose)
-                    for (parent, child), pose in zip(self._frames, values, strict=True)
-                ]
-            )
+        return messages.TFMessage(
+            [
+                transform_message(time, parent, child, pose)
+                for (parent, child), pose in zip(self._frames, values, strict=True)
+            ]
         )

@@ -1,16 +1,14 @@
 """A range sensor's value as messages, as ros2_controllers' range_sensor_broadcaster publishes it."""
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
-from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
+from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
-from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True)
@@ -27,16 +25,13 @@ class RangeSensorBroadcasterParameters:
         variance: The variance of the range (m²).
     """
 
-    sensor_name: str
-    frame_id: str
+    sensor_name: str = field(metadata={"not_empty": True})
+    frame_id: str = field(metadata={"not_empty": True})
     radiation_type: int = 0
     field_of_view: float = 0.52
     min_range: float = 0.52
     max_range: float = 4.0
     variance: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_given(self, "sensor_name", "frame_id")
 
 
 @controller("range_sensor_broadcaster/RangeSensorBroadcaster")
@@ -67,30 +62,17 @@ class RangeSensorBroadcaster(HardwareSensorBroadcaster):
         return (f"{parameters.sensor_name}/range",)
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "values")
-        self.declare_topic_output("range", "sensor_msgs/msg/Range", self._calc_range, self._present())
+        super().__init__(setup)
+        self.declare_message_output("range", "sensor_msgs/msg/Range", self._range, self._present())
 
-    def get_values_input_port(self) -> InputPort:
-        """Return the port ``values``."""
-        return self.get_sensor_input_port()
-
-    def get_range_output_port(self) -> OutputPort:
-        """Return the port ``range``."""
-        return self.GetOutputPort("range")
-
-    def _calc_range(self, context: Context, output: AbstractValue) -> None:
-        if not self.sample(context).active:
-            set_value(output, None)
-            return
+    def _range(self, context: Context) -> Any:
         parameters: RangeSensorBroadcasterParameters = self.setup.parameters
-        output.set_value(
-            messages.Range(
-                header=messages.header(context.get_time(), self.setup.frame(parameters.frame_id)),
-                radiation_type=parameters.radiation_type,
-                field_of_view=parameters.field_of_view,
-                min_range=parameters.min_range,
-                max_range=parameters.max_range,
-                range=float(self._sensor.Eval(context)[0]),
-                variance=parameters.variance,
-            )
+        return messages.Range(
+            header=messages.header(context.get_time(), self.setup.frame(parameters.frame_id)),
+            radiation_type=parameters.radiation_type,
+            field_of_view=parameters.field_of_view,
+            min_range=parameters.min_range,
+            max_range=parameters.max_range,
+            range=float(self._sensor.Eval(context)[0]),
+            variance=parameters.variance,
         )

@@ -33,8 +33,8 @@ class SensorBroadcaster(SensorReader, StatefulController):
         self.set_sample(context, replace(self.sample(context), active=False))
 
     def _present(self) -> set[Any]:
-        """Return the dependency tickets of a message of the present time."""
-        return {self.time_ticket(), self.input_port_ticket(self._sensor.get_index()), self.sample_ticket()}
+        """Return the dependency tickets of a message of the present time, beside that of the activation."""
+        return {self.time_ticket(), self.input_port_ticket(self._sensor.get_index())}
 
 
 def transform_message(time: float, parent: str, child: str, pose: Sequence[float]) -> Any:

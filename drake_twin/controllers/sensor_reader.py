@@ -48,9 +48,13 @@ class SensorReader(_Controller):
         known = ", ".join(sensor.name for sensor in description.sensors if sensor.kind == cls.kind) or "none"
         return f"the robot has no {cls.kind} sensor {name!r} for Gazebo (it has {known})"
 
+    def num_values(self) -> int:
+        """Return the size of the port of the values."""
+        return len(self.state_interfaces(self.setup.parameters))
+
     def declare_sensor_input(self, name: str) -> InputPort:
         """Declare the vector input port of the sensor's values."""
-        self._sensor: InputPort = self.DeclareVectorInputPort(name, len(self.state_interfaces(self.setup.parameters)))
+        self._sensor: InputPort = self.DeclareVectorInputPort(name, self.num_values())
         return self._sensor
 
     def get_sensor_input_port(self) -> InputPort:

@@ -1,5 +1,6 @@
 """The base of controllers with a memory."""
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import Any
@@ -11,6 +12,7 @@ from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
+from drake_twin.systems.no_message import empty_value, set_value
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -77,6 +79,22 @@ class StatefulController(Controller):
     def sample_ticket(self) -> Any:
         """Return the dependency ticket of an output port that follows from the last update."""
         return self.abstract_state_ticket(self._sample_index)
+
+    def declare_message_output(self, topic: str, kind: str, message: Any, prerequisites: Collection[Any] = ()) -> None:
+        """Declare an output port that holds a message while the controller is active, and None else.
+
+        Args:
+            topic: The topic below the controller's name.
+            kind: Its ROS message type.
+            message: A method that returns the message for a context, or None.
+            prerequisites: The dependency tickets beside that of the last update.
+        """
+        self.published[topic] = kind
+        calc = weakly(self._calc_message, message.__func__)
+        self.DeclareAbstractOutputPort(topic, empty_value, calc, {self.sample_ticket(), *prerequisites})
+
+    def _calc_message(self, message: Callable[..., Any], context: Context, output: AbstractValue) -> None:
+        set_value(output, message(self, context) if self.sample(context).active else None)
 
     def _be_updated(self) -> None:
         if not self._may_be_updated:

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from pydrake.systems.framework import InputPort
-
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.description.robot_description import RobotDescription
 
@@ -22,12 +20,3 @@ class TruthBroadcaster(SensorBroadcaster):
     def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
         """Return None: each robot has a pose."""
         return None
-
-    def num_values(self) -> int:
-        """Return the size of the port of the values."""
-        raise NotImplementedError
-
-    def declare_sensor_input(self, name: str) -> InputPort:
-        """Declare the vector input port of the values."""
-        self._sensor: InputPort = self.DeclareVectorInputPort(name, self.num_values())
-        return self._sensor

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from typing import Any, Protocol
+from typing import Any
 
 from drake_twin.errors import TwinError
 from drake_twin.messages import time_message
@@ -22,34 +22,17 @@ _FEEDBACK_PERIOD = 0.05  # s of simulation time; action_monitor_rate is 20 Hz by
 _ALL_GOALS = bytes(16)
 
 
-class Goal(Protocol):
-    """A goal that has been accepted, such as `drake_twin.twin.action.ActionGoal`."""
-
-    @property
-    def status(self) -> str:
-        """``accepted``, ``executing``, ``canceling``, ``succeeded``, ``aborted`` or ``canceled``."""
-
-    @property
-    def is_done(self) -> bool:
-        """Whether the goal has ended."""
-
-    @property
-    def result(self) -> Any:
-        """The result message; None before the goal ends."""
-
-    @property
-    def feedback(self) -> Any:
-        """The feedback message; None after the goal has ended."""
-
-    def cancel(self) -> None:
-        """Cancel the goal."""
-
-
 @dataclass(frozen=True)
 class KnownGoal:
-    """A goal, and the time at which it was accepted, as a message."""
+    """A goal that has been accepted.
 
-    goal: Any  # a Goal, or what a kind of server keeps in its place
+    Attributes:
+        goal: The goal, with the properties of `drake_twin.twin.action.ActionGoal` and ``cancel``; its status may also
+            be ``canceling``.
+        stamp: The time at which it was accepted, as a message.
+    """
+
+    goal: Any
     stamp: Any
 
 

@@ -26,16 +26,6 @@ def entity_names(twin: Twin) -> list[str]:
     return list(twin.latest("/model_states").name)
 
 
-def known_entity(twin: Twin, name: str) -> str:
-    """Return the name of an entity, which may be a link.
-
-    Raises:
-        InputError: If it does not exist.
-    """
-    twin.entities.state(name)
-    return name
-
-
 def free_name(twin: Twin, name: str) -> str:
     """Return a name that no entity has: the name itself, or one with a number after it."""
     taken = set(entity_names(twin))

@@ -7,7 +7,7 @@ from drake_twin.errors import TwinError
 from drake_twin.messages import header
 from drake_twin.services import entities
 from drake_twin.services.registry import Fields, twin_service
-from drake_twin.services.running import pause, play, refused, reset
+from drake_twin.services.running import play, refused, reset, tried
 from drake_twin.twin.twin import Twin
 
 _NODE = "/gazebo"
@@ -15,28 +15,21 @@ _NODE = "/gazebo"
 
 @twin_service("gazebo_msgs/srv/SpawnEntity", "/spawn_entity", _NODE, between_advances=True)
 def _spawn_entity(twin: Twin, request: Any) -> Fields:
-    return _status(lambda: _spawn(twin, request))
-
-
-def _spawn(twin: Twin, request: Any) -> str:
+    name, source = request.name, {"text": request.xml, "namespace": request.robot_namespace}
     frame, pose = request.reference_frame, request.initial_pose
-    entities.spawn(twin, request.name, text=request.xml, namespace=request.robot_namespace, pose=pose, frame=frame)
-    return f"SpawnEntity: Successfully spawned entity [{request.name}]"
+    spawned = f"SpawnEntity: Successfully spawned entity [{name}]"
+    return _status(lambda: entities.spawn(twin, name, **source, pose=pose, frame=frame), spawned)
 
 
 @twin_service("gazebo_msgs/srv/DeleteEntity", "/delete_entity", _NODE, between_advances=True)
 def _delete_entity(twin: Twin, request: Any) -> Fields:
-    return _status(lambda: _delete(twin, request.name))
+    return _status(lambda: twin.entities.delete(request.name), f"Successfully deleted entity [{request.name}]")
 
 
-def _delete(twin: Twin, name: str) -> str:
-    twin.entities.delete(name)
-    return f"Successfully deleted entity [{name}]"
-
-
-def _status(do: Callable[[], str]) -> Fields:
+def _status(do: Callable[[], object], done: str) -> Fields:
     try:
-        return {"success": True, "status_message": do()}
+        do()
+        return {"success": True, "status_message": done}
     except TwinError as error:
         return {"success": False, "status_message": str(error)}
 
@@ -61,26 +54,19 @@ def _get_entity_state(twin: Twin, request: Any) -> Fields:
 @twin_service("gazebo_msgs/srv/SetEntityState", "/gazebo/set_entity_state", _NODE)
 def _set_entity_state(twin: Twin, request: Any) -> Fields:
     state = request.state
-    try:
-        entities.set_state(twin, state.name, pose=state.pose, twist=state.twist, reference=state.reference_frame)
-    except TwinError as error:
-        return refused("set_entity_state", error, "success")
-    return {"success": True}
+    given = {"pose": state.pose, "twist": state.twist, "reference": state.reference_frame}
+    return tried("set_entity_state", lambda: entities.set_state(twin, state.name, **given))
 
 
 @twin_service("std_srvs/srv/Empty", "/pause_physics", _NODE)
 def _pause(twin: Twin, request: Any) -> Fields:
-    pause(twin)
+    twin.pause()
     return {}
 
 
 @twin_service("std_srvs/srv/Empty", "/unpause_physics", _NODE, between_advances=True)
 def _unpause(twin: Twin, request: Any) -> Fields:
-    try:
-        play(twin)
-    except TwinError as error:
-        return refused("unpause_physics", error)
-    return {}
+    return tried("unpause_physics", lambda: play(twin), field="")
 
 
 @twin_service("std_srvs/srv/Empty", "/reset_simulation", _NODE, between_advances=True)

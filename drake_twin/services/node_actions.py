@@ -38,7 +38,7 @@ class NodeGoal:
 
     @property
     def status(self) -> str:
-        """Its status, as `drake_twin.services.actions.Goal` has it."""
+        """Its status, as `drake_twin.services.actions.STATUSES` has it."""
         return _NAMES[self._end or self._status() or STATUSES["aborted"]]
 
     @property

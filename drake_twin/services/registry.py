@@ -15,46 +15,27 @@ _Answer = TypeVar("_Answer", bound=Callable[..., Fields | Later])
 
 @dataclass(frozen=True)
 class Service:
-    """A service of a running twin.
+    """A service of a running twin, or, in the two registries, one that each twin or each robot has.
 
     Attributes:
-        name: Its full name.
+        name: Its full name; of each robot's, the one below the robot's namespace.
         type: Its ROS type.
-        node: The full name of its node.
+        node: The full name of its node, likewise.
         answer: Takes the request and returns the response's fields, or a generator that does so later; called in the
-            simulation's thread.
+            simulation's thread. In the registries it takes the twin and, of each robot's, the robot's name before.
         between_advances: Whether it does what a callback cannot do, such as a spawn.
     """
 
     name: str
     type: str
     node: str
-    answer: Callable[[Any], Fields | Later]
+    answer: Callable[..., Fields | Later]
     between_advances: bool = False
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A service that each twin or each robot has.
-
-    Attributes:
-        name: The full name, or the one below the robot's namespace.
-        type: Its ROS type.
-        node: The name of its node, likewise.
-        answer: Takes the twin, the robot's name if it is a robot's, and the request.
-        between_advances: As `Service.between_advances`.
-    """
-
-    name: str
-    type: str
-    node: str
-    answer: Callable[..., Fields | Later]
-    between_advances: bool
-
-
 _WHERE = "drake_twin.services", ["drake_twin.services"]
-OF_TWIN: Registry[Kind] = Registry("service of the twin", "twin_service", *_WHERE)
-OF_ROBOT: Registry[Kind] = Registry("service of robots", "robot_service", *_WHERE)
+OF_TWIN: Registry[Service] = Registry("service of the twin", "twin_service", *_WHERE)
+OF_ROBOT: Registry[Service] = Registry("service of robots", "robot_service", *_WHERE)
 
 
 def twin_service(
@@ -73,7 +54,7 @@ def twin_service(
     """
 
     def register(answer: _Answer) -> _Answer:
-        OF_TWIN.add(name, Kind(name, type, node, answer, between_advances), answer)
+        OF_TWIN.add(name, Service(name, type, node, answer, between_advances), answer)
         return answer
 
     return register
@@ -92,7 +73,7 @@ def robot_service(type: str, name: str, node: str) -> Callable[[_Answer], _Answe
     """
 
     def register(answer: _Answer) -> _Answer:
-        OF_ROBOT.add(f"{node}/{name}", Kind(f"{node}/{name}", type, node, answer, False), answer)
+        OF_ROBOT.add(f"{node}/{name}", Service(f"{node}/{name}", type, node, answer), answer)
         return answer
 
     return register

@@ -5,7 +5,7 @@ from typing import Any
 from drake_twin.errors import InputError, TwinError
 from drake_twin.services import entities
 from drake_twin.services.registry import Fields, Later, twin_service
-from drake_twin.services.running import pause, play, refused, reset, steps
+from drake_twin.services.running import play, refused, reset, steps, tried
 from drake_twin.twin.twin import Twin
 
 _MODEL, _NONE = 2, 0  # ros_gz_interfaces/msg/Entity
@@ -13,34 +13,25 @@ _MODEL, _NONE = 2, 0  # ros_gz_interfaces/msg/Entity
 
 @twin_service("ros_gz_interfaces/srv/SpawnEntity", "/world/{world}/create", between_advances=True)
 def _create(twin: Twin, request: Any) -> Fields:
-    factory = request.entity_factory
-    try:
-        if factory.clone_name:
-            raise InputError(f"{factory.clone_name!r} cannot be cloned: give its file or description")
-        name = entities.free_name(twin, factory.name) if factory.allow_renaming else factory.name
-        source = {"text": factory.sdf} if factory.sdf else {"uri": factory.sdf_filename}
-        entities.spawn(twin, name, **source, pose=factory.pose, frame=factory.relative_to)
-    except TwinError as error:
-        return refused("create", error, "success")
-    return {"success": True}
+    return tried("create", lambda: _spawn(twin, request.entity_factory))
+
+
+def _spawn(twin: Twin, factory: Any) -> None:
+    if factory.clone_name:
+        raise InputError(f"{factory.clone_name!r} cannot be cloned: give its file or description")
+    name = entities.free_name(twin, factory.name) if factory.allow_renaming else factory.name
+    source = {"text": factory.sdf} if factory.sdf else {"uri": factory.sdf_filename}
+    entities.spawn(twin, name, **source, pose=factory.pose, frame=factory.relative_to)
 
 
 @twin_service("ros_gz_interfaces/srv/DeleteEntity", "/world/{world}/remove", between_advances=True)
 def _remove(twin: Twin, request: Any) -> Fields:
-    try:
-        twin.entities.delete(_name(request.entity))
-    except TwinError as error:
-        return refused("remove", error, "success")
-    return {"success": True}
+    return tried("remove", lambda: twin.entities.delete(_name(request.entity)))
 
 
 @twin_service("ros_gz_interfaces/srv/SetEntityPose", "/world/{world}/set_pose")
 def _set_pose(twin: Twin, request: Any) -> Fields:
-    try:
-        entities.set_state(twin, _name(request.entity), pose=request.pose)
-    except TwinError as error:
-        return refused("set_pose", error, "success")
-    return {"success": True}
+    return tried("set_pose", lambda: entities.set_state(twin, _name(request.entity), pose=request.pose))
 
 
 @twin_service("ros_gz_interfaces/srv/ControlWorld", "/world/{world}/control", between_advances=True)
@@ -55,7 +46,7 @@ def _control(twin: Twin, request: Any) -> Later:
             reset(twin)
         number = control.multi_step or int(control.step)
         if control.pause or number:
-            pause(twin)
+            twin.pause()
         else:
             play(twin)
         if number:

@@ -2,7 +2,7 @@
 
 import logging
 import time as wall_clock
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from typing import Any
 
 from drake_twin.errors import InputError, TwinError
@@ -17,11 +17,6 @@ _MOST_STEPS = 1_000_000_000
 _SLICE = 0.02  # s of wall time that steps may take before other requests get their turn
 _MOST_LINES = 1000
 _logged: set[tuple[str, str]] = set()
-
-
-def pause(twin: Twin) -> None:
-    """Stop time."""
-    twin.pause()
 
 
 def play(twin: Twin) -> None:
@@ -114,6 +109,15 @@ class StepsGoal:
 
     def _end(self, status: str, code: int, text: str) -> None:
         self.status, self.result = status, {"result": {"result": code, "error_message": text}}
+
+
+def tried(service: str, do: Callable[[], object], field: str = "success") -> Fields:
+    """Return the response to a request that a function does: whether it succeeds is all that the response tells."""
+    try:
+        do()
+    except TwinError as error:
+        return refused(service, error, field)
+    return {field: True} if field else {}
 
 
 def refused(service: str, error: Any, field: str = "") -> Fields:

@@ -14,7 +14,6 @@ from drake_twin.services.running import (
     NOT_FOUND,
     OK,
     UNSUPPORTED,
-    pause,
     play,
     reset,
     steps,
@@ -46,13 +45,12 @@ def result(code: int = OK, error: object = "") -> Fields:
     return {"result": code, "error_message": str(error)}
 
 
-def _tried(do: Callable[[], Any], code: int = FAILED) -> Fields:
-    """Return a response with nothing but the result."""
+def _tried(do: Callable[[], Fields | None], code: int = FAILED) -> Fields:
+    """Return a response with the result, and with the fields that a function returns."""
     try:
-        do()
+        return {"result": result(), **(do() or {})}
     except TwinError as error:
         return {"result": result(code, error)}
-    return {"result": result()}
 
 
 @twin_service(_srv("GetSimulatorFeatures"), _named("get_simulator_features"))
@@ -96,27 +94,21 @@ def _delete(twin: Twin, request: Any) -> Fields:
 
 @twin_service(_srv("GetEntities"), _named("get_entities"))
 def _get_entities(twin: Twin, request: Any) -> Fields:
-    try:
-        return {"result": result(), "entities": _filtered(twin, request.filters)}
-    except InputError as error:
-        return {"result": result(FAILED, error)}
+    return _tried(lambda: {"entities": _filtered(twin, request.filters)})
 
 
 @twin_service(_srv("GetEntitiesStates"), _named("get_entities_states"))
 def _get_entities_states(twin: Twin, request: Any) -> Fields:
-    try:
+    def states() -> Fields:
         names = _filtered(twin, request.filters)
-    except InputError as error:
-        return {"result": result(FAILED, error)}
-    return {"result": result(), "entities": names, "states": [_state(twin, name) for name in names]}
+        return {"entities": names, "states": [_state(twin, name) for name in names]}
+
+    return _tried(states)
 
 
 @twin_service(_srv("GetEntityState"), _named("get_entity_state"))
 def _get_entity_state(twin: Twin, request: Any) -> Fields:
-    try:
-        return {"result": result(), "state": _state(twin, request.entity)}
-    except InputError as error:
-        return {"result": result(NOT_FOUND, error)}
+    return _tried(lambda: {"state": _state(twin, request.entity)}, NOT_FOUND)
 
 
 @twin_service(_srv("SetEntityState"), _named("set_entity_state"))
@@ -126,7 +118,7 @@ def _set_entity_state(twin: Twin, request: Any) -> Fields:
     if request.set_acceleration:
         return {"result": result(UNSUPPORTED, "an entity's acceleration follows from its forces")}
     try:
-        entities.known_entity(twin, request.entity)
+        twin.entities.state(request.entity)
     except InputError as error:
         return {"result": result(NOT_FOUND, error)}
     set_state = entities.set_state
@@ -169,15 +161,15 @@ def _reset(twin: Twin, request: Any) -> Fields:
     scope = request.scope or _ALL
     if scope not in (_TIME | _STATE, _SPAWNED, _TIME | _STATE | _SPAWNED, _ALL):
         return {"result": result(UNSUPPORTED, "time and state can only be reset together")}
-    try:
+
+    def do() -> None:
         if scope & _SPAWNED:
             for robot in set(twin.robots) - set(twin.entities.first_robots):
                 twin.entities.delete(robot)
         if scope & _TIME:
             reset(twin)
-    except TwinError as error:
-        return {"result": result(FAILED, error)}
-    return {"result": result()}
+
+    return _tried(do)
 
 
 @twin_service(_srv("GetSimulationState"), _named("get_simulation_state"))
@@ -194,7 +186,7 @@ def _set_simulation_state(twin: Twin, request: Any) -> Fields:
         return {"result": result(_ALREADY, "the simulation is in this state already")}
     if wanted == _PLAYING:
         return _tried(lambda: play(twin), INCORRECT_STATE)
-    pause(twin)
+    twin.pause()
     return _tried((lambda: reset(twin)) if wanted == _STOPPED else lambda: None)
 
 

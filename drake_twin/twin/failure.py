@@ -13,6 +13,7 @@ from pydrake.systems.framework import Context
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError, described
+from drake_twin.findings import first_of
 from drake_twin.twin.physics import ABSURD, Moment
 
 _MOST_NAMED = 3  # joints named in a message
@@ -82,8 +83,7 @@ def _lost(lost: Sequence[_Mover], was_good: bool) -> str:
     """Return the sentence on the joints without a possible state, of the owner with the largest acceleration."""
     worst = lost[0]
     labels = [mover.label for mover in lost if mover.owner == worst.owner]
-    more = f" and {len(labels) - _MOST_NAMED} more" if len(labels) > _MOST_NAMED else ""
-    who = f"{', '.join(labels[:_MOST_NAMED])}{more} of {worst.owner}" if worst.label else worst.owner
+    who = f"{first_of(labels, _MOST_NAMED)} of {worst.owner}" if worst.label else worst.owner
     speed = f" (before, {worst.label or 'it'} moved at {worst.speed:.2g} {worst.unit})" if was_good else ""
     return (
         f"{who} {'is' if len(labels) == 1 else 'are'} no longer at a finite position or speed{speed}."

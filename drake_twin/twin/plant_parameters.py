@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.geometry import GeometryId, ProximityProperties, Role, RoleAssign, SceneGraph, SceneGraphInspector
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
@@ -216,9 +216,7 @@ def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
     """Read and write the pose in the parent frame: a 3×4 matrix, row by row."""
 
     def write(context: Context, values: Sequence[float]) -> None:
-        matrix = np.array(values).reshape(3, 4)
-        X_PF = RigidTransform(RotationMatrix(matrix[:, :3]), matrix[:, 3])
-        frame.SetPoseInParentFrame(context, X_PF)
+        frame.SetPoseInParentFrame(context, RigidTransform(np.array(values).reshape(3, 4)))
 
     return lambda context: frame.GetPoseInParentFrame(context).GetAsMatrix34().ravel().tolist(), write
 

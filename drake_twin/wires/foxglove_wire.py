@@ -100,24 +100,21 @@ class FoxgloveWire:
         if self._control:
             self._clients.heard[topic.name] = topic, heard
 
-        def end() -> None:
-            self._graph.remove(SUBSCRIBED, topic)
-            self._clients.heard.pop(topic.name, None)
-
-        return _End(end)
+        ends = contextlib.ExitStack()
+        ends.callback(self._clients.heard.pop, topic.name, None)
+        ends.callback(self._graph.remove, SUBSCRIBED, topic)
+        return ends
 
     def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
         """Offer a service; see `drake_twin.wires.wire.Wire`."""
         self._graph.add(SERVED, service)
         self._parameters.add(service, answer)
-        offered = self._offer(service, answer) if self._control and self._is_readable(service) else _Nothing()
-
-        def end() -> None:
-            self._graph.remove(SERVED, service)
-            self._parameters.remove(service)
-            offered.close()
-
-        return _End(end)
+        ends = contextlib.ExitStack()
+        if self._control and self._is_readable(service):
+            ends.callback(self._offer(service, answer).close)
+        ends.callback(self._parameters.remove, service)
+        ends.callback(self._graph.remove, SERVED, service)
+        return ends
 
     def _offer(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
         """Let clients call a service."""
@@ -203,14 +200,6 @@ class _Nothing:
 
     def close(self) -> None:
         """Nothing is to be ended."""
-
-
-class _End:
-    def __init__(self, close: Callable[[], object]):
-        self._close = close
-
-    def close(self) -> None:
-        self._close()
 
 
 class _Sender:

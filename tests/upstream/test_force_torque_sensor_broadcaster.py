@@ -56,7 +56,7 @@ def names_that_are_refused(given):
 def claims_and_deactivation():
     run = broadcaster(SENSOR)
     yield 186, ForceTorqueSensorBroadcaster.claimed_interfaces(run.controller.setup.parameters, ROBOT)
-    yield 189, run.controller.get_wrench_input_port().size()
+    yield 189, run.controller.get_sensor_input_port().size()
     run.controller.deactivate(run.context)
     yield 230, run.output("wrench") is None
 

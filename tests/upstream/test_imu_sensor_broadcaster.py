@@ -21,7 +21,7 @@ def published_message():
     yield 161, IMUSensorBroadcaster.claimed_interfaces(PARAMETERS, ROBOT)
     x, y, z, w, *others = VALUES
     run = Running(IMUSensorBroadcaster(setup_of(IMUSensorBroadcaster, PARAMETERS)), spatial=[w, x, y, z, *others])
-    yield 164, run.controller.get_spatial_input_port().size()
+    yield 164, run.controller.get_sensor_input_port().size()
     message = run.output("imu")
     yield 230, message.header.frame_id
     line = 231
