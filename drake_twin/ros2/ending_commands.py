@@ -30,7 +30,7 @@ def command_ends(words: Sequence[str]) -> bool:
     if command in ("bash", "sh") and rest[:1] == ["-c"] and len(rest) > 1:
         return command_ends(shell_words(rest[1].split("&&")[-1].split(";")[-1]) or [""])
     if command in ("bash", "sh") and rest:
-        return node_ends(next((word for word in rest if not word.startswith("-")), ""))
+        return node_ends(Path(next((word for word in rest if not word.startswith("-")), "")).name)
     if command == "ros2":
         if rest[:1] == ["run"]:
             return len(rest) > 2 and node_ends(rest[2])

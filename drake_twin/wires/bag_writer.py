@@ -27,11 +27,7 @@ _DISTRIBUTION = "jazzy"
 
 def main() -> int:
     """Write what comes on standard input into the folder that the command line names; return the exit code."""
-    for number in (
-        signal.SIGINT,
-        signal.SIGTERM,
-        signal.SIGHUP,
-    ):  # sent to the whole group; the end of the pipe ends it
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # sent to the whole group; the pipe's end ends it
         signal.signal(number, signal.SIG_IGN)
     try:
         write_bag(sys.argv[1], sys.stdin.buffer)
@@ -54,6 +50,8 @@ def write_bag(folder: str, source: BinaryIO) -> None:
     """
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
+    if Path(folder).exists():
+        raise FileExistsError(f"{folder} exists")
     writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
     connections: dict[int, Connection] = {}

@@ -32,6 +32,8 @@ from drake_twin.ros2.ending_commands import command_ends, node_ends, shell_words
         ("bash -c ''", False),
         ("sh /opt/setup.sh", True),
         ("bash -x /opt/init.sh", True),
+        ("bash /opt/spawn_robot", True),
+        ("bash /opt/spawn/viewer", False),
         ("bash", False),
         ("rviz2", False),
         ("/usr/bin/echo hello", True),

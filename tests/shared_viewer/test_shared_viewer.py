@@ -205,6 +205,17 @@ def test_while_a_server_hangs_only_the_latest_frame_is_kept(server, viewers, cap
     assert len(warnings(caplog, "has not answered for 0.1 s")) == 1
 
 
+def test_what_it_costs_is_counted_frame_by_frame(viewers):
+    viewer, twin = viewers(free_address(), "a"), rovers(1).build()
+    costs = []
+    for _ in range(3):
+        viewer.draw(twin)
+        costs.append(viewer.cost)
+    assert [cost.frames for cost in costs] == [1, 2, 3]
+    assert 0 < costs[0].wall_time < costs[1].wall_time < costs[2].wall_time
+    assert costs[2].slowest < costs[2].wall_time
+
+
 def test_something_else_at_the_address_is_not_taken_for_a_server(viewers, caplog):
     url = free_address()
     with zmq.Context() as context, context.socket(zmq.REP) as other:

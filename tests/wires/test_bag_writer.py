@@ -40,3 +40,9 @@ def test_records_are_a_bag_and_one_that_is_cut_off_is_left_out(tmp_path):
         assert found == [
             ("/chatter", "std_msgs/msg/String", time, data) for time, data in zip((10, 20), said, strict=True)
         ]
+
+
+def test_a_folder_that_exists_is_refused_and_stays(tmp_path):
+    with pytest.raises(FileExistsError, match="exists"):
+        write_bag(str(tmp_path), io.BytesIO())
+    assert list(tmp_path.iterdir()) == []
