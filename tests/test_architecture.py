@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -168,3 +169,10 @@ def test_no_class_has_many_public_methods():
                 if len(public) > MOST_PUBLIC_METHODS:
                     many[f"{module}.{node.name}"] = len(public)
     assert many == {}
+
+
+def test_test_files_of_plain_folders_have_names_of_their_own():
+    """Pytest imports them as modules of the top level."""
+    files = [file for file in Path(__file__).parent.rglob("test_*.py") if not (file.parent / "__init__.py").exists()]
+    names = Counter(file.name for file in files)
+    assert [name for name, count in names.items() if count > 1] == []
