@@ -56,6 +56,16 @@ def test_a_log_begins_at_its_first_command_or_measurement():
         assert times == pytest.approx(np.array(first) - 5.0)
 
 
+def test_stamps_of_another_clock_are_moved_to_when_they_were_recorded(tmp_path, endpoints):
+    for late in (1e6, -1e6):
+        bag = write_log(tmp_path / f"log{late:g}", messages(duration=0.5, late=late))
+        log = read_bag(bag, endpoints, {})
+        times, _ = log.measured[0].series["hinge.position"]
+        assert times == pytest.approx(np.arange(0, 0.5, 0.02), abs=1e-6)
+        assert [command.time for command in log.commands] == pytest.approx([0.1, 0.2, 0.3, 0.4])
+        assert any(f"another clock, {-late:.3f} s behind" in note for note in log.notes)
+
+
 @pytest.mark.parametrize(
     ("commands", "times", "why"),
     [
