@@ -325,6 +325,13 @@ def test_a_line_of_the_shell_is_what_its_commands_are(tmp_path):
     assert not_started(launch.scenario) == ("rosbag (the twin records with --record)",)
 
 
+def test_the_waits_of_a_line_of_the_shell_add_up_from_when_it_starts(tmp_path):
+    pub = f"ros2 topic pub --once /velocity/commands {TYPE} '{{data: [1.0]}}'"
+    line = command("bash", "-c", f"sleep 2; {pub}; sleep 0.5s && {pub}")
+    launch = launched_hinge(tmp_path, f"TimerAction(period=1.0, actions=[{line}]),")
+    assert [item.time for item in launch.scenario.commands] == [3.0, 3.5]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
