@@ -1,6 +1,5 @@
 """Launch configurations and environment variables, and the scopes that save and restore them."""
 
-import copy
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -42,7 +41,7 @@ class Scopes:
 
     def push_configurations(self) -> None:
         """Save the launch configurations."""
-        self._configuration_stack.append(copied(self.configurations))
+        self._configuration_stack.append(dict(self.configurations))
 
     def pop_configurations(self) -> None:
         """Restore the launch configurations that were saved last.
@@ -85,11 +84,6 @@ class Scopes:
             del self._environment_stack[depths[1] + 1 :]
             self.pop_configurations()
             self.pop_environment()
-
-
-def copied(configurations: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy configurations and the lists in them (remappings, global parameters), which actions append to."""
-    return {name: copy.copy(value) if isinstance(value, list) else value for name, value in configurations.items()}
 
 
 def set_environment(values: Mapping[str, str]) -> None:

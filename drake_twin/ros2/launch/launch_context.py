@@ -16,7 +16,7 @@ from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
 from drake_twin.ros2.event_queue import EventQueue, Handler
 from drake_twin.ros2.launched import FailedInclude, Included, LaunchedProcess, Noted, ParameterText
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
-from drake_twin.ros2.scopes import Scopes, copied
+from drake_twin.ros2.scopes import Scopes
 from drake_twin.ros2.text_parts import text_parts
 
 _MOST_PROCESSES = 20_000
@@ -200,7 +200,7 @@ class LaunchContext:
     def snapshot(self) -> dict[str, Any]:
         """Return the configurations as they are now, the namespace among them, and the file at hand."""
         return {
-            "configurations": copied(self.launch_configurations),
+            "configurations": dict(self.launch_configurations),
             "locals": dict(self._locals),
             "files": list(self.files),
         }
@@ -209,7 +209,7 @@ class LaunchContext:
     def restored(self, snapshot: Mapping[str, Any]) -> Iterator[None]:
         """Restore a snapshot; configurations that were set since under other names stay."""
         before = self.snapshot()
-        self.scopes.replace_configurations({**self.launch_configurations, **copied(snapshot["configurations"])})
+        self.scopes.replace_configurations({**self.launch_configurations, **snapshot["configurations"]})
         self._locals = dict(snapshot["locals"])
         self.files = list(snapshot["files"])
         try:
