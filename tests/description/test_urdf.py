@@ -177,6 +177,10 @@ def mimic_in_ros2_control(multiplier: str = "-1") -> str:
 
 def test_a_follower_is_read_from_the_parameters_of_ros2_control():
     assert joint_of(after=LEADER + mimic_in_ros2_control()).mimic == Mimic("a", -1.0, 0.0)
+    plain = mimic_in_ros2_control().replace('<param name="multiplier">-1</param>', "{}")
+    assert joint_of(after=LEADER + plain.format("")).mimic == Mimic("a", 1.0, 0.0)
+    offset = plain.format('<param name="offset">0.5</param>')
+    assert joint_of(after=LEADER + offset).mimic == Mimic("a", 1.0, 0.5)
 
 
 def test_mimic_counts_more_than_the_parameters_of_ros2_control():

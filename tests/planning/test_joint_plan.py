@@ -1,4 +1,4 @@
-"""The bounds of position servos' gains."""
+"""The bounds of position servos' gains, and where joints start."""
 
 from pathlib import Path
 
@@ -44,3 +44,31 @@ def test_a_servo_that_is_too_slow_or_too_fast_is_refused_with_its_line(constant,
 def test_a_gain_that_is_not_a_positive_number_is_refused(constant, gain):
     with pytest.raises(InputError, match=rf"position_proportional_gain is '{gain}', which is not a positive number"):
         constant(gain)
+
+
+LIFT = """<robot name="lift">
+  <link name="base"/><link name="fork"/>
+  <joint name="mast" type="prismatic"><parent link="base"/><child link="fork"/>
+    <limit lower="0" upper="1" effort="9" velocity="1"/></joint>
+  <ros2_control name="s" type="system"><hardware/><joint name="mast">
+    <state_interface name="position"><param name="initial_value">0.1</param></state_interface></joint></ros2_control>
+  {plugin}</robot>"""
+PLUGIN = """<gazebo><plugin filename="gz-sim-joint-position-controller-system" name="p">
+  <joint_name>mast</joint_name><initial_position>0.2</initial_position></plugin></gazebo>"""
+
+
+@pytest.mark.parametrize(
+    ("plugin", "given", "start"),
+    [
+        ("", {}, 0.1),
+        (PLUGIN, {}, 0.2),
+        (PLUGIN, {"mast": 0.3}, 0.3),
+        (PLUGIN, {"mast": 0.0}, 0.0),
+        (PLUGIN, {"mast": 7.0}, 1.0),
+    ],
+)
+def test_a_joint_starts_where_the_scenario_says_else_its_plugin_else_its_hardware(tmp_path, plugin, given, start):
+    file = tmp_path / "lift.urdf"
+    file.write_text(LIFT.format(plugin=plugin))
+    plan = plan_robot(Robot("lift", str(file), initial_positions=given), PackageIndex())
+    assert plan.joints.start_positions == {"mast": start}

@@ -2,14 +2,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
+from pydrake.common.value import AbstractValue, Value
+from pydrake.math import RigidTransform, RollPitchYaw
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.interface_types import serialize
 from drake_twin.systems.no_message import empty_value
-from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
+from drake_twin.systems.robot_state_publisher import FixedFrame, LinkFrame, RobotFrames, RobotStatePublisher
 
 LAYOUT = StateLayout(size=4, positions={"turn": 0, "slide": 1}, velocities={"turn": 2, "slide": 3}, efforts={})
 DESCRIPTION = RobotDescription(
@@ -171,3 +172,17 @@ def test_a_draft_has_the_bytes_of_the_message_on_the_port_also_after_the_context
     context.SetTime(2.0)
     dut.get_state_input_port().FixValue(context, [9.0] * 4)
     assert draft.serialized() == serialize(expected) == serialize(draft.message())
+
+
+def test_a_links_frame_is_its_childs_pose_in_its_parent():
+    link = LinkFrame("post", "bob", parent_body=1, child_body=0)
+    dut = RobotStatePublisher([RobotFrames("r", DESCRIPTION, LAYOUT)], 4, links=[link])
+    context, quarter = dut.CreateDefaultContext(), RollPitchYaw(0.0, 0.0, np.pi / 2)
+    dut.get_state_input_port().FixValue(context, [0.0] * 4)
+    in_parent = RigidTransform(RollPitchYaw(np.pi / 2, 0.0, 0.0), [0.1, 0.2, 0.3])
+    of_parent = RigidTransform(quarter, [5.0, 0.0, 0.0])
+    dut.GetInputPort("body_poses").FixValue(context, Value[list[RigidTransform]]([of_parent @ in_parent, of_parent]))
+    (*_, found) = dut.get_tf_output_port().Eval(context).transforms
+    assert (found.header.frame_id, found.child_frame_id) == ("post", "bob")
+    assert xyz(found) == pytest.approx([0.1, 0.2, 0.3])
+    assert wxyz(found) == pytest.approx([np.sqrt(0.5), np.sqrt(0.5), 0, 0])
