@@ -1,10 +1,13 @@
 """What is measured of a topic, by hand and beside a running twin."""
 
+from argparse import Namespace
+
 import pytest
 from tools.two_rovers import tool_of_two_rovers
 
+from drake_twin import messages
 from drake_twin.tools import topic
-from drake_twin.tools.topic_meters import bandwidth_text, delay_text
+from drake_twin.tools.topic_meters import bandwidth_text, delay, delay_text
 
 
 def test_bandwidths_by_hand():
@@ -22,6 +25,29 @@ def test_delays_by_hand():
     assert delay_text([1_000_000, 3_000_000]) == (
         "average delay: 0.002\n\tmin: 0.001s max: 0.003s std dev: 0.00100s window: 2"
     )
+
+
+class Interrupted:
+    """A message that comes as Ctrl-C does."""
+
+    @property
+    def header(self):
+        raise KeyboardInterrupt
+
+
+class Client:
+    """Hears three messages at 12.5 s of simulation time."""
+
+    def subscribe(self, topic, heard, **_):
+        stamped = [messages.JointState(messages.header(time), [], [], [], []) for time in (12.3, 11.9)]
+        of_topic = {"/clock": [messages.Clock(messages.time_message(12.5))], "/joint_states": [*stamped, Interrupted()]}
+        for message in of_topic[topic]:
+            heard(message)
+
+
+def test_a_delay_is_the_time_since_the_stamp_by_the_twins_clock(capsys):
+    assert delay(Client(), Namespace(topic_name="/joint_states", window=10, use_sim_time=True)) == 0
+    assert capsys.readouterr().out == ("average delay: 0.400\n\tmin: 0.200s max: 0.600s std dev: 0.20000s window: 2\n")
 
 
 @pytest.fixture
