@@ -96,11 +96,6 @@ class RunningTrajectory:
     interpolation_method: str
     turns: tuple[float, ...]
 
-    @property
-    def end(self) -> float:
-        """The simulation time of the last point (s)."""
-        return self.start + self.times[-1]
-
     def sample(self, time: float) -> TrajectorySample:
         """Return the state at a simulation time (s); before the first segment, the state at its begin."""
         elapsed = max(time - self.start, self.taken_up)  # a slowed-down trajectory lags behind an update

@@ -1,5 +1,7 @@
 """The base of all controllers: what they are built from, their claims and their ports."""
 
+import re
+import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -15,6 +17,8 @@ from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value, or_none
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
+
+_ACCESSOR = re.compile(r"get_(\w+)_(input|output)_port")
 
 
 @dataclass(frozen=True)
@@ -223,6 +227,19 @@ class Controller(WitnesslessSystem):
     def get_command_interfaces_output_port(self) -> OutputPort:
         """Return the port ``command_interfaces``."""
         return self.GetOutputPort("command_interfaces")
+
+    def __getattr__(self, name: str) -> Any:
+        """Return the older accessor of a port, ``get_imu_output_port`` for ``imu``; it warns."""
+        match = _ACCESSOR.fullmatch(name)
+        if match is None or not getattr(self, f"Has{match[2].title()}Port")(match[1]):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+
+        def port() -> Any:
+            get = f"Get{match[2].title()}Port"
+            warnings.warn(f"{name}() is an older name of {get}({match[1]!r})", DeprecationWarning, stacklevel=2)
+            return getattr(self, get)(match[1])
+
+        return port
 
     def declare_topic_input(self, topic: str, kind: str) -> InputPort:
         """Declare an input port that holds what `read` made of a topic's last message; None before the first."""

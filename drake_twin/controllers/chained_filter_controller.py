@@ -285,12 +285,9 @@ class ChainedFilter(PeriodicController):
         for item in parameters.inputs:
             if item in gpios:
                 self._places.append(efforts + gpios.index(item))
-            elif item.name == "effort":
-                actuator = layout.efforts.get(item.joint)
-                self._places.append(missing if actuator is None else layout.size + actuator)
             else:
-                of_joints = layout.positions if item.name == "position" else layout.velocities
-                self._places.append(of_joints[item.joint])
+                place = layout.place(*item)
+                self._places.append(missing if place is None else place)
         self.vector_outputs["state_interfaces"] = self.DeclareVectorOutputPort(
             "state_interfaces", len(self._chains), weakly(self._calc_state_interfaces), {self.sample_ticket()}
         )

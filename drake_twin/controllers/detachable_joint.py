@@ -115,10 +115,6 @@ class DetachableJoint(StatefulController):
         """Obey from now on; the joint is as it was."""
         self.set_sample(context, replace(self.sample(context), active=True, time=context.get_time()))
 
-    def deactivate(self, context: Context) -> None:
-        """Obey no more; the joint stays as it is."""
-        self.set_sample(context, replace(self.sample(context), active=False))
-
     def asked(self, context: Context) -> Attachment:
         """Return the memory with the newest request."""
         return self._newest(context) if self.sample(context).active else self._memory(context)

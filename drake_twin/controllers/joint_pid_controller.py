@@ -1,10 +1,10 @@
 """The joint controllers of gz-sim whose PID has an integral part."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import nan
 from typing import ClassVar
 
-from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPort, State
+from pydrake.systems.framework import BasicVector, Context, EventStatus, State
 
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.forward_command_controller import NumbersForClaims
@@ -89,17 +89,9 @@ class JointPidController(NumbersForClaims, StatefulController):
         tickets = {self.input_port_ticket(self._commands.get_index()), self.sample_ticket()}
         self.declare_command_interfaces(self._calc_command_interfaces, tickets)
 
-    def get_commands_input_port(self) -> InputPort:
-        """Return the port ``commands``."""
-        return self._commands
-
     def activate(self, context: Context) -> None:
         """Start with integral terms of zero."""
         self.set_sample(context, Sample(True, context.get_time(), self._no_integral(self.setup)))
-
-    def deactivate(self, context: Context) -> None:
-        """Stop integrating."""
-        self.set_sample(context, replace(self.sample(context), active=False))
 
     def declare_updates(self) -> bool:
         """Declare the updates of an integral part."""

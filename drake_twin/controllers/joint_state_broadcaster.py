@@ -13,7 +13,6 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import set_value
 from drake_twin.systems.weak_callback import weakly
@@ -132,7 +131,8 @@ class JointStateBroadcaster(Controller):
             places[joint] = {}
             existing = interfaces.get(joint, ())
             for name in [name for name in names if name in existing] or names:
-                place = _place(layout, joint, name) if name in existing else missing
+                found = layout.place(joint, name) if name in existing else None
+                place = missing if found is None else found
                 if place != missing or parameters.field_of(name) not in places[joint]:
                     places[joint][parameters.field_of(name)] = place
         for joint in parameters.extra_joints:
@@ -229,18 +229,6 @@ class JointStateBroadcaster(Controller):
                 for names, places in self._places.values()
             ],
         )
-
-
-def _place(layout: StateLayout, joint: str, interface: str) -> int:
-    """Return the index of a value in the concatenation of state, efforts and NaN."""
-    missing = layout.size + layout.num_actuators
-    if interface == "position":
-        return layout.positions[joint]
-    if interface == "velocity":
-        return layout.velocities[joint]
-    if interface == "effort" and joint in layout.efforts:
-        return layout.size + layout.efforts[joint]
-    return missing
 
 
 def _state_interfaces(description: RobotDescription) -> dict[str, tuple[str, ...]]:

@@ -1,7 +1,6 @@
 """The base of the broadcasters of sensors: the port of the sensor's values, and activation."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from pydrake.systems.framework import Context
@@ -27,10 +26,6 @@ class SensorBroadcaster(SensorReader, StatefulController):
     def activate(self, context: Context) -> None:
         """Start at the present time."""
         self.set_sample(context, Sample(active=True, time=context.get_time()))
-
-    def deactivate(self, context: Context) -> None:
-        """Stop publishing."""
-        self.set_sample(context, replace(self.sample(context), active=False))
 
     def _present(self) -> set[Any]:
         """Return the dependency tickets of a message of the present time, beside that of the activation."""

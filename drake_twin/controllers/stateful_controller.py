@@ -66,6 +66,10 @@ class StatefulController(Controller):
         """Declare the periodic event of a controller that has one; return whether it has."""
         return False
 
+    def deactivate(self, context: Context) -> None:
+        """Stop; what the controller keeps stays."""
+        self.set_sample(context, replace(self.sample(context), active=False))
+
     def set_sample(self, context: Context, sample: Sample) -> None:
         """Set the state, for example that of a saved run."""
         if sample.active:

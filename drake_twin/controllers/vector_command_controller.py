@@ -5,7 +5,7 @@ from math import nan
 from typing import ClassVar
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, InputPort
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
@@ -60,10 +60,6 @@ class VectorCommandController(Controller):
         self.declare_command_interfaces(
             self._calc_command_interfaces, {self.input_port_ticket(self._command.get_index())}
         )
-
-    def get_command_input_port(self) -> InputPort:
-        """The port ``command``."""
-        return self._command
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         if not self._command.HasValue(context):

@@ -50,6 +50,15 @@ class StateLayout:
             planar_base=None if planar is None else planar.within(indices),
         )
 
+    def place(self, joint: str, interface: str) -> int | None:
+        """Return the index of a joint's position, velocity or effort in ``[q; v]`` and the actuators' efforts after it.
+
+        None for another interface, and for the effort of a joint without an actuator.
+        """
+        if interface == "effort":
+            return self.size + self.efforts[joint] if joint in self.efforts else None
+        return {"position": self.positions, "velocity": self.velocities}.get(interface, {}).get(joint)
+
     @property
     def has_moving_base(self) -> bool:
         """Whether the root link moves."""

@@ -7,7 +7,7 @@ from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, 
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.services.registry import Fields, robot_service
 from drake_twin.services.running import refused
-from drake_twin.twin.controller_manager import ControllerState, Response
+from drake_twin.twin.controller_manager import ControllerState, HardwareInterface, Response
 from drake_twin.twin.twin import Twin
 
 _NODE = "controller_manager"
@@ -56,16 +56,12 @@ def _list_controller_types(twin: Twin, robot: str, request: Any) -> Fields:
 
 @robot_service("controller_manager_msgs/srv/ListHardwareInterfaces", "list_hardware_interfaces", _NODE)
 def _list_hardware_interfaces(twin: Twin, robot: str, request: Any) -> Fields:
-    lists = twin.control.manager(robot).list_hardware_interfaces()
-    commands, states = (
-        [_interface(item.name, is_available=item.is_available, is_claimed=item.is_claimed) for item in items]
-        for items in lists
-    )
-    return {"command_interfaces": commands, "state_interfaces": states}
+    commands, states = twin.control.manager(robot).list_hardware_interfaces()
+    return {"command_interfaces": [*map(_interface, commands)], "state_interfaces": [*map(_interface, states)]}
 
 
-def _interface(name: str, *, is_available: bool, is_claimed: bool) -> Fields:
-    return {"name": name, "data_type": "double", "is_available": is_available, "is_claimed": is_claimed}
+def _interface(item: HardwareInterface) -> Fields:
+    return {"data_type": "double", **vars(item)}
 
 
 @robot_service("controller_manager_msgs/srv/ListHardwareComponents", "list_hardware_components", _NODE)
@@ -77,8 +73,7 @@ def _list_hardware_components(twin: Twin, robot: str, request: Any) -> Fields:
     }
 
     def interfaces(kind: str, names: tuple[str, ...]) -> list[Fields]:
-        items = [known[kind][name] for name in names if name in known[kind]]
-        return [_interface(item.name, is_available=item.is_available, is_claimed=item.is_claimed) for item in items]
+        return [_interface(known[kind][name]) for name in names if name in known[kind]]
 
     return {
         "component": [

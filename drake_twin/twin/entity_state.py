@@ -10,6 +10,7 @@ from math import isfinite
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Context
 
@@ -134,19 +135,16 @@ def set_entity_state(
     w = finite_numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
     X_WR = plant.CalcRelativeTransform(plant_context, plant.world_frame(), frame)
     X_WB = X_WR @ RigidTransform(_rotation(q), p)
-    V_WR = frame.CalcSpatialVelocityInWorld(plant_context)
-    p_RB_W = X_WR.rotation() @ p
-    angular_W = V_WR.rotational() + X_WR.rotation() @ w
-    linear_W = V_WR.translational() + np.cross(V_WR.rotational(), p_RB_W) + X_WR.rotation() @ v
-    from pydrake.multibody.math import SpatialVelocity
-
+    R = X_WR.rotation()
+    V_WR, V_RB_W = frame.CalcSpatialVelocityInWorld(plant_context), SpatialVelocity(w=R @ w, v=R @ v)
+    V_WB = V_WR.ComposeWithMovingFrameVelocity(R @ p, V_RB_W)
     X_change = X_WB @ body.EvalPoseInWorld(plant_context).inverse()
     others = [each for each in _free_bodies(built, entity) if each.index() != body.index()]
     for other in others:  # of a model with several trees of links all move, as in gz-physics (FreeGroupFeatures.cc)
         plant.SetFreeBodyPose(plant_context, other, X_change @ other.EvalPoseInWorld(plant_context))
     plant.SetFreeBodyPose(plant_context, body, X_WB)
     for each in (body, *(others if linear is not None or angular is not None else ())):
-        plant.SetFreeBodySpatialVelocity(plant_context, each, SpatialVelocity(w=angular_W, v=linear_W))
+        plant.SetFreeBodySpatialVelocity(plant_context, each, V_WB)
 
 
 def set_joint_positions(

@@ -149,7 +149,7 @@ class DdsServer:
             with suppress(DDSException):  # it has no room
                 self._writer.write(self._kind(response.data))
                 return
-        if response.writer not in self._reader.get_matched_publications():
+        if self._reader.get_matched_publication_data(response.writer) is None:
             return  # the client has gone
         if time.monotonic() < response.deadline:
             self._late.append(response)

@@ -8,10 +8,7 @@ and is done in the simulation's thread, by `Twin.publish` and the like, so that 
 import contextlib
 import logging
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import partial
-from queue import SimpleQueue
-from threading import Event, Thread
 from time import monotonic
 from typing import Any, Protocol
 
@@ -23,19 +20,10 @@ from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
-from drake_twin.wires.wire import (
-    LARGEST,
-    AskingWire,
-    Closable,
-    Reply,
-    Sender,
-    ServiceClient,
-    Wire,
-    WireEndpoint,
-)
+from drake_twin.wires.outbox import OfferedTopic, Outbox
+from drake_twin.wires.wire import LARGEST, AskingWire, Closable, Reply, ServiceClient, Wire, WireEndpoint
 
 _log = logging.getLogger(__name__)
-_MOST_WAITING = 10_000  # messages for the sender's thread; more make the simulation wait
 _MOST_LINES = 1000  # of the log
 _REPETITION = 0.1  # s of wall time between two messages of a paused clock
 _TOO_MANY = "too many requests wait"
@@ -66,23 +54,6 @@ class WiredActions(Protocol):
         """Take note that such a service has come or gone."""
 
 
-@dataclass
-class _Topic:
-    """A topic that is offered.
-
-    Attributes:
-        endpoint: The topic.
-        senders: Its sender on each wire.
-        end: Ends the subscription; None while nobody listens.
-        is_of_twin: Whether it can be subscribed to.
-    """
-
-    endpoint: Endpoint
-    senders: list[Sender] = field(default_factory=list)
-    end: Callable[[], None] | None = None
-    is_of_twin: bool = True
-
-
 class Seam:
     """Connects a twin to wires, until it is closed.
 
@@ -106,7 +77,7 @@ class Seam:
         self._actions = actions
         self._loaded: Any = None
         self._endpoints: tuple[Endpoint, ...] | None = None
-        self._topics: dict[str, _Topic] = {}
+        self._topics: dict[str, OfferedTopic] = {}
         self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
         self._served: dict[str, tuple[ServiceEndpoint, list[Closable]]] = {}
         self._clients: dict[str, tuple[Any, list[ServiceClient]]] = {}
@@ -114,19 +85,14 @@ class Seam:
         self._has_changed = False
         self._logged: set[tuple[str, str]] = set()
         self._next_repetition = 0.0
-        self._queue: SimpleQueue[tuple[_Topic, Draft, float, bool] | Event | None] = SimpleQueue()
-        self._has_room = Event()
-        self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
-        self._thread.start()
+        self._outbox = Outbox(self._log)
         twin.inbox.open()
         twin.inbox.looks.append(self._look)
         self._look()
 
     def flush(self) -> None:
         """Wait until the pending messages are sent."""
-        sent = Event()
-        self._queue.put(sent)
-        sent.wait()
+        self._outbox.flush()
 
     def close(self) -> None:
         """Send the pending messages, and end the wires."""
@@ -136,8 +102,7 @@ class Seam:
             if topic.end is not None:
                 topic.end()
                 topic.end = None
-        self._queue.put(None)
-        self._thread.join()  # before the topics end, so that their last messages are sent
+        self._outbox.close()  # before the topics end, so that their last messages are sent
         self._keep_topics(())
         for wire in self._wires:
             wire.close()
@@ -156,7 +121,7 @@ class Seam:
         if self._actions is not None:
             for name, fields in self._actions.news():
                 topic = self._topics[name]
-                if any(sender.is_heard for sender in topic.senders):
+                if topic.is_heard:
                     self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, fields)))
 
     def _keep_topics(self, endpoints: Sequence[Endpoint]) -> None:
@@ -167,7 +132,7 @@ class Seam:
         for name in [name for name, topic in self._topics.items() if offered.get(name) != topic.endpoint]:
             self._forget(self._topics.pop(name))
         for name in offered.keys() - self._topics.keys():
-            self._topics[name] = topic = _Topic(offered[name], is_of_twin=offered[name] in endpoints)
+            self._topics[name] = topic = OfferedTopic(offered[name], is_of_twin=offered[name] in endpoints)
             wired = _wired(offered[name])
             topic.senders += [wire.advertise(wired, self._note_listeners) for wire in self._wires]
             for message in self._actions.kept(name) if self._actions is not None and not topic.is_of_twin else ():
@@ -211,16 +176,16 @@ class Seam:
         for topic in self._topics.values():
             self._follow(topic)
 
-    def _follow(self, topic: _Topic) -> None:
+    def _follow(self, topic: OfferedTopic) -> None:
         """Subscribe to a topic with listeners, and to no other."""
-        is_heard = topic.is_of_twin and any(sender.is_heard for sender in topic.senders)
+        is_heard = topic.is_of_twin and topic.is_heard
         if is_heard and topic.end is None:
             topic.end = self._twin.graph.subscribe_drafts(topic.endpoint.name, partial(self._hand_over, topic))
         elif not is_heard and topic.end is not None:
             topic.end()
             topic.end = None
 
-    def _forget(self, topic: _Topic) -> None:
+    def _forget(self, topic: OfferedTopic) -> None:
         if topic.end is not None:
             topic.end()
         for sender in topic.senders:
@@ -231,7 +196,7 @@ class Seam:
     def _repeat_clock(self) -> None:
         """Send the time of a paused twin again and again, as Gazebo does: who comes late would wait for ever."""
         topic = self._topics.get(CLOCK)
-        if topic is None or not self._twin.clock.paused or not any(sender.is_heard for sender in topic.senders):
+        if topic is None or not self._twin.clock.paused or not topic.is_heard:
             return
         if (now := monotonic()) >= self._next_repetition:
             self._next_repetition = now + _REPETITION
@@ -239,36 +204,15 @@ class Seam:
             if (draft := graph.draft(CLOCK, graph.read())) is not None:
                 self._hand_over(topic, draft, is_repeated=True)
 
-    def _hand_over(self, topic: _Topic, draft: Draft, *, is_repeated: bool = False) -> None:
-        while self._queue.qsize() > _MOST_WAITING:  # the simulation waits
-            self._has_room.clear()
-            self._has_room.wait(0.1)
+    def _hand_over(self, topic: OfferedTopic, draft: Draft, *, is_repeated: bool = False) -> None:
         time = self._twin.time if draft.time is None else draft.time
-        self._queue.put((topic, draft, time, is_repeated))
+        self._outbox.put(topic, draft, time, is_repeated=is_repeated)
 
     def send(self, name: str, message: Any) -> None:
         """Send a message that a node program has published, if anybody listens."""
         topic = self._topics.get(name)
-        if topic is not None and any(sender.is_heard for sender in topic.senders):
+        if topic is not None and topic.is_heard:
             self._hand_over(topic, LaterDraft(lambda: message))
-
-    def _send(self) -> None:
-        """Serialize and send, in the sender's thread."""
-        while (item := self._queue.get()) is not None:
-            if isinstance(item, Event):
-                item.set()
-                continue
-            topic, draft, time, is_repeated = item
-            try:
-                if (data := draft.serialized()) is None:
-                    continue
-                for sender in topic.senders:
-                    if sender.is_heard and not (is_repeated and getattr(sender, "keeps", False)):
-                        sender.send(data, round(time * 1e9))
-            except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
-                self._log(topic.endpoint.name, f"a message is not sent: {error}")
-            finally:
-                self._has_room.set()
 
     # Services of others ----------------------------------------------------------------------------------------------
 

@@ -1,0 +1,84 @@
+"""The thread that serializes each message once and gives the same bytes to all wires."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from queue import SimpleQueue
+from threading import Event, Thread
+
+from drake_twin.messages.draft import Draft
+from drake_twin.twin.endpoints import Endpoint
+from drake_twin.wires.wire import Sender
+
+_MOST_WAITING = 10_000  # messages; more make the simulation wait
+
+
+@dataclass
+class OfferedTopic:
+    """A topic that is offered.
+
+    Attributes:
+        endpoint: The topic.
+        senders: Its sender on each wire.
+        end: Ends the subscription; None while nobody listens.
+        is_of_twin: Whether it can be subscribed to.
+    """
+
+    endpoint: Endpoint
+    senders: list[Sender] = field(default_factory=list)
+    end: Callable[[], None] | None = None
+    is_of_twin: bool = True
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether anybody listens."""
+        return any(sender.is_heard for sender in self.senders)
+
+
+class Outbox:
+    """Messages on their way to the wires, until it is closed.
+
+    Args:
+        log: Is called with a topic and why a message of it is not sent.
+    """
+
+    def __init__(self, log: Callable[[str, str], None]):
+        self._log = log
+        self._queue: SimpleQueue[tuple[OfferedTopic, Draft, float, bool] | Event | None] = SimpleQueue()
+        self._has_room = Event()
+        self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
+        self._thread.start()
+
+    def put(self, topic: OfferedTopic, draft: Draft, time: float, *, is_repeated: bool = False) -> None:
+        """Send a message of a simulation time (s) later; one that is repeated is not for wires that keep all."""
+        while self._queue.qsize() > _MOST_WAITING:  # the simulation waits
+            self._has_room.clear()
+            self._has_room.wait(0.1)
+        self._queue.put((topic, draft, time, is_repeated))
+
+    def flush(self) -> None:
+        """Wait until the pending messages are sent."""
+        sent = Event()
+        self._queue.put(sent)
+        sent.wait()
+
+    def close(self) -> None:
+        """Send the pending messages, and end the thread."""
+        self._queue.put(None)
+        self._thread.join()
+
+    def _send(self) -> None:
+        while (item := self._queue.get()) is not None:
+            if isinstance(item, Event):
+                item.set()
+                continue
+            topic, draft, time, is_repeated = item
+            try:
+                if (data := draft.serialized()) is None:
+                    continue
+                for sender in topic.senders:
+                    if sender.is_heard and not (is_repeated and getattr(sender, "keeps", False)):
+                        sender.send(data, round(time * 1e9))
+            except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
+                self._log(topic.endpoint.name, f"a message is not sent: {error}")
+            finally:
+                self._has_room.set()
