@@ -1,6 +1,7 @@
 """Frames and the transforms between them, as messages of ``/tf`` and ``/tf_static`` give them."""
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,9 +78,12 @@ class TransformTree:
         for name in (outer, inner):
             if name not in self.frames:
                 raise InputError(f"unknown frame {name!r}", value=name, valid=self.frames)
-        (root, of_outer), (other, of_inner) = self.in_root(outer), self.in_root(inner)
-        if root != other:
-            raise InputError(f"no transforms connect {outer!r} in {root!r} with {inner!r} in {other!r}")
+        lines = self._line(outer), self._line(inner)
+        common = next((frame for frame in lines[0] if frame in lines[1]), None)
+        if common is None:
+            what = f"no transforms connect {outer!r} in {lines[0][-1]!r} with {inner!r} in {lines[1][-1]!r}"
+            raise InputError(what)
+        of_outer, of_inner = (self._pose(line[: line.index(common)]) for line in lines)
         return of_outer.inverse().of(of_inner)
 
     def in_root(self, frame: str) -> tuple[str, Transform]:
@@ -88,12 +92,22 @@ class TransformTree:
         Raises:
             InputError: If the frames are a loop.
         """
-        pose = Transform(np.zeros(3), Rotation.identity())
-        seen = set()
+        *line, root = self._line(frame)
+        return root, self._pose(line)
+
+    def _line(self, frame: str) -> list[str]:
+        """Return a frame and those above it, up to the root."""
+        line = [frame]
         while frame in self.parents:
-            if frame in seen:
+            frame, _ = self.parents[frame]
+            if frame in line:
                 raise InputError(f"the frame {frame!r} is above itself")
-            seen.add(frame)
-            frame, in_parent = self.parents[frame]
-            pose = in_parent.of(pose)
-        return frame, pose
+            line.append(frame)
+        return line
+
+    def _pose(self, line: Sequence[str]) -> Transform:
+        """Return the pose of the first of some frames in the parent of the last one."""
+        pose = Transform(np.zeros(3), Rotation.identity())
+        for frame in line:
+            pose = self.parents[frame][1].of(pose)
+        return pose
