@@ -81,7 +81,7 @@ def test_the_arm_takes_another_model(tmp_path):
     launched = evaluate(ARM, {"model": str(model)})
     (publisher,) = of(launched, "robot_state_publisher/robot_state_publisher")
     assert 'name="other"' in publisher.parameters[0]["robot_description"]
-    assert publisher.environment["GZ_SIM_RESOURCE_PATH"] == str(MODELS)
+    assert Path(publisher.environment["GZ_SIM_RESOURCE_PATH"]).samefile(MODELS)
 
 
 def test_the_arguments_are_shown():
