@@ -79,11 +79,12 @@ class Stepper:
             self.refuse_inside_callback("advance")
         self._thread = get_ident()
         session, clock = self._session, self._session.clock
-        start = clock.time
+        start = clock.step * clock.time_step
         end = target * clock.time_step if time is None else time
         try:
             while clock.step < target and not self.paused:
-                session.subscriptions.catch_up(clock.step)
+                if not session.subscriptions.is_caught_up:
+                    session.subscriptions.catch_up(clock.step)
                 if session.subscriptions.due_step <= clock.step:
                     session.subscriptions.deliver(clock.step)
                     if self.paused or session.alarm.requests:
@@ -100,11 +101,12 @@ class Stepper:
                     target = step_at(end, clock.time_step)
                     continue
                 self._advance_once(target)
-            session.subscriptions.catch_up(clock.step)
+            if not session.subscriptions.is_caught_up:
+                session.subscriptions.catch_up(clock.step)
             if clock.next_time_step is not None:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:
-            session.simulated += clock.time - start
+            session.simulated += clock.step * clock.time_step - start
             self._thread = None
 
     def change_time_step(self) -> bool:

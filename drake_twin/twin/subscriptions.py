@@ -213,8 +213,6 @@ class Subscriptions:
 
     def catch_up(self, step: int) -> None:
         """Deliver the messages up to a step for which the simulation does not stop."""
-        if self.is_caught_up:
-            return
         for subscription in [item for item in self._items if item.draft_at is not None]:
             while subscription.draft_at is not None and subscription.due <= step:
                 draft = subscription.draft_at(subscription.due * self._time_step)
