@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mutant_list import MUTANTS
-from mutants import CAUGHT, PACKAGE, ROOT, SURVIVED, copied_package, run_tests, written
+from mutants import CAUGHT, PACKAGE, ROOT, SURVIVED, MutantError, copied_package, run_tests, written
 
 LEAST_CAUGHT = 0.85
 MOST_FILES = 8  # of tests for one fault
@@ -248,9 +248,18 @@ def try_fault(fault: Fault, package: Path) -> str:
 
 
 def try_room(room: str, count: int, seed: int, only: str) -> Iterator[tuple[Fault, str]]:
-    """Sow a room's sample, one fault after the other."""
+    """Sow a room's sample, one fault after the other.
+
+    Raises:
+        MutantError: If a fault's tests do not pass without it, as then it would count as caught.
+    """
+    passing: set[str] = set()
     with copied_package() as package:
         for fault in sample(room, count, seed, only):
+            new = [test for test in related_tests(fault.file) if test not in passing]
+            if new and run_tests(package, new, len(new) * TIME_LIMIT) != SURVIVED:
+                raise MutantError(f"without a fault, these tests do not pass: {', '.join(new)}")
+            passing.update(new)
             yield fault, try_fault(fault, package)
 
 

@@ -68,6 +68,18 @@ def test_faults_that_are_drawn_at_random_are_the_same_each_time_and_compile():
         assert all((ROOT / test).is_file() for test in tests)
 
 
+def test_tests_that_fail_without_a_fault_say_nothing_about_it(monkeypatch):
+    results, fault = [], sampled_mutants.Fault("control/tolerances.py", 1, 0, 0, "", "")
+    monkeypatch.setattr(sampled_mutants, "sample", lambda *options: [fault, fault])
+    monkeypatch.setattr(sampled_mutants, "related_tests", lambda file: ["tests/control/test_tolerances.py"])
+    monkeypatch.setattr(sampled_mutants, "run_tests", lambda *what: results.pop(0))
+    results += [mutants.SURVIVED, mutants.CAUGHT, mutants.CAUGHT]  # without a fault, and with each
+    assert [result for _, result in sampled_mutants.try_room("control", 2, 1, "")] == [mutants.CAUGHT] * 2
+    results.append(mutants.CAUGHT)
+    with pytest.raises(MutantError, match=r"without a fault, these tests do not pass: .*test_tolerances\.py"):
+        next(sampled_mutants.try_room("control", 2, 1, ""))
+
+
 def test_a_fault_is_one_small_change():
     text = "def f(a, b):\n    if a < b and not a:\n        return a + 1\n    return 'a' + b\n"
     places = sampled_mutants._Places("it.py", text)
