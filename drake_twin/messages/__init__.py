@@ -77,7 +77,8 @@ def __getattr__(name: str) -> Any:
 
 def time_message(seconds: float) -> Any:
     """Return a simulation time (s) as a ``builtin_interfaces/msg/Time``, rounded to the nearest nanosecond."""
-    return _message("Time")(**_sec_and_nanosec(seconds))
+    sec, nanosec = divmod(round(seconds * 1e9), 1_000_000_000)  # here, too: it is made for each message
+    return _message("Time")(sec, nanosec)
 
 
 def duration_message(seconds: float) -> Any:

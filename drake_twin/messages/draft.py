@@ -80,7 +80,7 @@ class Drafter:
 
     def __call__(self, reading: Any) -> Draft:
         """Draft a message."""
-        return self.at(reading.time, self._read(reading))
+        return _NumbersDraft(self, reading.time, self._read(reading))
 
     def at(self, time: float, values: np.ndarray) -> Draft:
         """Draft a message of a time (s) from what would be read then."""
@@ -102,10 +102,16 @@ class Drafter:
         return layout if is_right else None
 
 
-class _NumbersDraft(LaterDraft):
+class _NumbersDraft:  # few calls: there is one for each message that is heard
     def __init__(self, drafter: Drafter, time: float, values: np.ndarray):
-        super().__init__(lambda: drafter.make(time, drafter.numbers(values)), time)
         self._drafter, self._time, self._values = drafter, time, values
+        self._message: Any = None
+        self.time: float | None = time
+
+    def message(self) -> Any:
+        if self._message is None:
+            self._message = self._drafter.make(self._time, self._drafter.numbers(self._values))
+        return self._message
 
     def serialized(self) -> bytes | None:
         return self._drafter.serialized(self._time, self._drafter.numbers(self._values))

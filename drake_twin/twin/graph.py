@@ -224,6 +224,7 @@ class Graph(Group):
                 delay=item.delay,
                 offset=item.offset,
                 draft_at=item.draft_at if drafts else None,
+                has_publications=item.publication is not None,
             )
 
         return session.subscriptions.add_topic(name, of_port)

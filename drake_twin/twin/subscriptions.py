@@ -3,10 +3,13 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import ceil, floor, inf
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.messages.draft import Draft
 from drake_twin.twin.schedule import step_at
+
+_due = attrgetter("due")
 
 
 class Subscription:
@@ -23,6 +26,7 @@ class Subscription:
         offset: The time of the first point of the grid (s).
         draft_at: Drafts the message of any time (s), if it follows from the time alone: the simulation does not have to
             stop for it, and it is delivered at the next stop.
+        has_publications: Whether the topic's message may be an earlier one still, which is not delivered again.
 
     Attributes:
         due: The step of the next delivery, for the step length of the last `use`; infinite without one.
@@ -30,6 +34,7 @@ class Subscription:
         delay: The delay (s).
         takes_drafts: Whether the callback is given drafts of the messages.
         draft_at: Drafts the message of any time (s); None if the simulation has to stop for it.
+        has_publications: Whether the topic's message may be an earlier one still.
         publication: What tells the last message from the next one; None before the first.
     """
 
@@ -44,11 +49,13 @@ class Subscription:
         delay: float | None = None,
         offset: float = 0.0,
         draft_at: Callable[[float], Draft] | None = None,
+        has_publications: bool = False,
     ):
         self.topic = topic
         self.callback = callback
         self.delay = delay
         self.draft_at = draft_at
+        self.has_publications = has_publications
         self.due: float = 0
         self.is_latched = period is None
         self.takes_drafts = takes_drafts
@@ -140,6 +147,7 @@ class Subscriptions:
         self.draft: Callable[[str, Any], Draft | None] = lambda topic, reading: None
         self._time_step = time_step
         self._items: list[Subscription] = []
+        self._stopping: list[Subscription] = []  # those of them that the simulation stops for
         self._late: list[_LateMessage] = []
         self._topics: list[_HeardTopic] = []
         self.due_step: float = inf
@@ -148,6 +156,7 @@ class Subscriptions:
     def add(self, subscription: Subscription) -> Callable[[], None]:
         """Add a subscription; return a function that ends it."""
         self._items.append(subscription)
+        self._note_stopping()
         subscription.use(self._time_step)
         self._note_due_step()
         return lambda: self._end(subscription)
@@ -190,15 +199,16 @@ class Subscriptions:
         while self.due_step <= step:
             reading = self.read()
             drafts: dict[str, Draft | None] = {}
-            for subscription in [item for item in self._items if item.due <= step and item.draft_at is None]:
+            for subscription in [item for item in self._stopping if item.due <= step]:
                 if subscription.due > step:  # ended meanwhile
                     continue
                 topic = subscription.topic
-                publication = self.publication(topic, reading)
                 subscription.pass_step(step, self._time_step)
-                if publication is not None and publication == subscription.publication:
-                    continue
-                subscription.publication = publication
+                if subscription.has_publications:
+                    publication = self.publication(topic, reading)
+                    if publication is not None and publication == subscription.publication:
+                        continue
+                    subscription.publication = publication
                 if topic not in drafts:
                     drafts[topic] = self.draft(topic, reading)
                 if (draft := drafts[topic]) is None:
@@ -245,12 +255,16 @@ class Subscriptions:
     def _end(self, subscription: Subscription) -> None:
         if subscription in self._items:
             self._items.remove(subscription)
+            self._note_stopping()
             subscription.due = inf
             self._late = [item for item in self._late if item.subscription is not subscription]
             self._note_due_step()
 
+    def _note_stopping(self) -> None:
+        self._stopping = [item for item in self._items if item.draft_at is None]
+        self.is_caught_up = len(self._stopping) == len(self._items)
+
     def _note_due_step(self) -> None:
-        self.is_caught_up = all(item.draft_at is None for item in self._items)
-        self.due_step = min((item.due for item in self._items if item.draft_at is None), default=inf)
+        self.due_step = min(map(_due, self._stopping), default=inf)
         if self._late:
             self.due_step = min(self.due_step, *(step_at(item.time, self._time_step) for item in self._late))
