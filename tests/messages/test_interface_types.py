@@ -7,9 +7,11 @@ import pytest
 from drake_twin import messages
 from drake_twin.messages.interface_types import (
     add_definition,
+    default_in,
     default_values,
     definition,
     deserialize,
+    fields_of,
     known_names,
     known_packages,
     knows,
@@ -91,10 +93,8 @@ def test_defaults_of_a_definition_are_numbers_flags_texts_and_lists_without_thei
 float64 ratio 0.5
 bool on true
 bool off 0
-string plain hello # a comment
 string single 'it is # no comment'
 string double "say \\"hi\\""
-string quote "
 int32[] few [1, 2]
 int32 LIMIT=9
 string none
@@ -107,13 +107,17 @@ string none
         "ratio": 0.5,
         "on": True,
         "off": False,
-        "plain": "hello",
         "single": "it is # no comment",
         "double": 'say "hi"',
-        "quote": '"',
     }
     made = make("my_msgs/msg/Defaults", {"ratio": 0.25})
     assert (made.count, made.ratio, made.off, made.few.tolist(), made.none) == (-3, 0.25, False, [1, 2], "")
+
+
+def test_defaults_without_quotes():
+    _, fields = fields_of("std_msgs/msg/String")
+    assert default_in("string data hello # a comment", fields) == {"data": "hello"}
+    assert default_in('string data "', fields) == {"data": '"'}
 
 
 @pytest.mark.parametrize(
