@@ -12,7 +12,6 @@ import os
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +25,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
+from waiting import until
 
 LOCAL = (
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1' multicast='false'/></Interfaces>"
@@ -244,14 +244,14 @@ class Peer:
             where = Topic(self._participant, f"rt{topic}", globals()[kind])
             qos = quality("", 10) + Qos(Policy.Reliability.BestEffort) if is_best_effort else quality("", 10)
             self._writers[topic] = DataWriter(self._participant, where, qos)
-        waited(self._writers[topic].get_matched_subscriptions, f"nobody hears {topic}")
+        until(self._writers[topic].get_matched_subscriptions)
         self._writers[topic].write(made(globals()[kind], fields))
 
     def subscribe(self, topic: str, kind: str, is_latched: bool = False) -> None:
         where = Topic(self._participant, f"rt{topic}", globals()[kind])
         qos = quality("", 1000) + Qos(Policy.Durability.TransientLocal) if is_latched else quality("", 1000)
         self._readers[topic] = DataReader(self._participant, where, qos)
-        waited(lambda: self._readers[topic].get_matched_publications(), f"nobody publishes {topic}")
+        until(lambda: self._readers[topic].get_matched_publications())
 
     def heard(self, topic: str) -> list[Any]:
         return [dataclasses.asdict(item) for item in self._readers[topic].take(1000) if dataclasses.is_dataclass(item)]
@@ -273,11 +273,10 @@ class Server:
 
     def _work(self) -> None:
         while True:
-            for item in self._reader.take(100):
+            for item in self._reader.take_iter(timeout=duration(seconds=1)):
                 if dataclasses.is_dataclass(item) and hasattr(item, "guid_"):
                     answer = [item.a + item.b] if isinstance(item, AddTwoIntsRequest) else self._answer
                     self._writer.write(made(self._response, (item.guid_, item.seq_, *answer)))
-            time.sleep(0.001)
 
 
 class Client:
@@ -309,12 +308,12 @@ class Client:
             return
         if not is_deaf:
             self.listen()
-        waited(self._writer.get_matched_subscriptions, f"{service} is not there")
+        until(self._writer.get_matched_subscriptions)
 
     def listen(self) -> None:
         topic = Topic(self._participant, f"rr{self._service}Reply", self._response)
         self._reader = DataReader(self._participant, topic, quality(self._data, 1000))
-        waited(self._reader.get_matched_publications, f"{self._service} is not there")
+        until(self._reader.get_matched_publications)
 
     def ask(self, *fields: Any) -> int:
         number = next(self._sequence)
@@ -334,16 +333,8 @@ class Client:
             found.extend(item for item in taken if getattr(item, "guid_", None) == self._guid)
             return len(found) >= count
 
-        waited(are_all_there, f"too few answers of {self._service}")
+        until(are_all_there)
         return [{name: value for name, value in dataclasses.asdict(item).items() if name != "guid_"} for item in found]
-
-
-def waited(condition: Any, text: str, timeout: float = 60.0) -> None:
-    end = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > end:
-            raise TimeoutError(text)
-        time.sleep(0.0005)
 
 
 def quality(data: str, depth: int) -> Qos:
