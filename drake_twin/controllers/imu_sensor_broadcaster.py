@@ -75,14 +75,6 @@ class IMUSensorBroadcaster(SensorBroadcaster):
         self.declare_message_output("imu", "sensor_msgs/msg/Imu", self._imu, self._present())
 
     def _imu(self, context: Context) -> Any:
-        qw, qx, qy, qz, wx, wy, wz, ax, ay, az = self._sensor.Eval(context).tolist()
         spreads = [np.array(getattr(self.setup.parameters, name)) for name in _COVARIANCES]
-        return messages.Imu(
-            header=messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id)),
-            orientation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
-            orientation_covariance=spreads[0],
-            angular_velocity=messages.Vector3(x=wx, y=wy, z=wz),
-            angular_velocity_covariance=spreads[1],
-            linear_acceleration=messages.Vector3(x=ax, y=ay, z=az),
-            linear_acceleration_covariance=spreads[2],
-        )
+        header = messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id))
+        return messages.imu_message(header, self._sensor.Eval(context).tolist(), spreads)

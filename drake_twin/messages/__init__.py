@@ -6,7 +6,7 @@ the store lacks are those of `drake_twin.messages.definitions`.
 """
 
 import reprlib
-from collections.abc import Mapping, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cache
 from math import isfinite
@@ -94,6 +94,26 @@ def _sec_and_nanosec(seconds: float) -> dict[str, int]:
 def header(seconds: float, frame_id: str = "") -> Any:
     """Return a ``std_msgs/msg/Header`` stamped with a simulation time (s)."""
     return _message("Header")(stamp=time_message(seconds), frame_id=frame_id)
+
+
+def imu_message(its_header: Any, values: Sequence[float], covariances: Sequence[Any]) -> Any:
+    """Return a ``sensor_msgs/msg/Imu``.
+
+    Args:
+        its_header: Its header.
+        values: Orientation (w, x, y, z), angular velocity (x, y, z; rad/s) and linear acceleration (x, y, z; m/s²).
+        covariances: Of the three, each of shape (9,).
+    """
+    qw, qx, qy, qz, wx, wy, wz, ax, ay, az = values
+    return _message("Imu")(
+        header=its_header,
+        orientation=_message("Quaternion")(x=qx, y=qy, z=qz, w=qw),
+        orientation_covariance=covariances[0],
+        angular_velocity=_message("Vector3")(x=wx, y=wy, z=wz),
+        angular_velocity_covariance=covariances[1],
+        linear_acceleration=_message("Vector3")(x=ax, y=ay, z=az),
+        linear_acceleration_covariance=covariances[2],
+    )
 
 
 def message(kind: str, data: Any) -> Any:

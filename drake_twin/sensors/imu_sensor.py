@@ -145,21 +145,10 @@ class ImuSensor(SensorSystem):
         output.SetFromVector(self.noisy_values(_CHANNELS, values, context.get_time()))
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
-        qw, qx, qy, qz, wx, wy, wz, ax, ay, az = self._spatial.Eval(context).tolist()
+        values = self._spatial.Eval(context).tolist()
         if not self.setup.settings.has_orientation:
-            qw, qx, qy, qz = 1.0, 0.0, 0.0, 0.0
-        spreads = self._covariances
-        output.set_value(
-            messages.Imu(
-                header=self.header(context),
-                orientation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
-                orientation_covariance=spreads[0],
-                angular_velocity=messages.Vector3(x=wx, y=wy, z=wz),
-                angular_velocity_covariance=spreads[1],
-                linear_acceleration=messages.Vector3(x=ax, y=ay, z=az),
-                linear_acceleration_covariance=spreads[2],
-            )
-        )
+            values[:4] = 1.0, 0.0, 0.0, 0.0
+        output.set_value(messages.imu_message(self.header(context), values, self._covariances))
 
 
 def _covariance(noises: dict[str, Noise], part: str, axes: str) -> np.ndarray:

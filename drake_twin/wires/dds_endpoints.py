@@ -3,25 +3,9 @@
 from typing import Any
 
 from drake_twin.wires.rmw_dds_format import sample_type
-from drake_twin.wires.wire import Reply
 
 MOST_SAMPLES = 100  # that are taken from a reader at once
 _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
-
-
-class Nothing:
-    """Stands for what is not on the graph."""
-
-    is_heard = is_there = False
-
-    def ask(self, request: bytes, answered: Reply) -> None:
-        """Ask nobody."""
-
-    def send(self, data: bytes, at: int) -> None:
-        """Send nothing."""
-
-    def close(self) -> None:
-        """Nothing is to be ended."""
 
 
 def quality(data: bytes, *, latched: bool = False, depth: int | None = 10, is_best_effort: bool = False) -> Any:

@@ -32,6 +32,7 @@ _DEPTH = 1000  # requests that wait, as rmw_qos_profile_parameters has it: those
 _PATIENCE = 10.0  # s of wall time for a client's reader to be found, and to make room; then a response is lost
 _OTHERS = "and other middlewares write requests otherwise: set RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
 _MOST_CLIENTS = 1000  # that are remembered
+_CLIENT, _SERVER = "clientid", "serviceid"  # in the user data
 
 
 class ServingWire(Protocol):
@@ -55,7 +56,48 @@ class _Late:
     data: bytes
 
 
-class DdsServer:
+class _ServiceEnds:
+    """The reader and the writer of a service's server or client, whose user data have one id.
+
+    Args:
+        wire: The wire.
+        participant: The participant.
+        service: The service.
+        key: What the id is called.
+        name: The id.
+
+    Attributes:
+        topic: The service.
+        ends: The reader and the writer.
+        condition: The condition that something has come.
+    """
+
+    def __init__(self, wire: ServingWire, participant: Any, service: WireEndpoint, key: str, name: str):
+        self.topic, self._wire = service, wire
+        request = request_topic(service.name), f"{service.type}_Request"
+        response = response_topic(service.name), f"{service.type}_Response"
+        heard, said = (request, response) if key == _SERVER else (response, request)
+
+        def qualities(kind: str) -> Any:
+            return quality(endpoint_data(type_hash(kind), **{key: name}), depth=_DEPTH)
+
+        self._reader, self.condition = reader(participant, *heard, qualities(heard[1]), has_header=True)
+        self._writer = writer(participant, *said, qualities(said[1]), has_header=True)
+        self._kind = sample_type(said[1], has_header=True)
+        self.ends = (
+            End(service, *heard, self._reader.guid.bytes, is_reader=True),
+            End(service, *said, self._writer.guid.bytes, is_reader=False),
+        )
+
+    def close(self) -> None:
+        """Take it off the graph."""
+        with self._wire.lock:
+            if self._reader is not None:
+                self._wire.forget(self)
+                self.condition = self._reader = self._writer = None
+
+
+class DdsServer(_ServiceEnds):
     """Answers the requests of a service.
 
     Args:
@@ -64,11 +106,6 @@ class DdsServer:
         service: The service.
         name: What tells clients that its endpoints are one service's.
         answer: As in `drake_twin.wires.wire.Wire.serve`.
-
-    Attributes:
-        topic: The service.
-        ends: Its reader and its writer.
-        condition: The condition that there are requests.
     """
 
     def __init__(
@@ -79,19 +116,8 @@ class DdsServer:
         name: str,
         answer: Callable[[bytes, Reply], None],
     ):
-        self.topic = service
-        self._wire, self._answer = wire, answer
-        request, response = f"{service.type}_Request", f"{service.type}_Response"
-        asked, answered = (
-            quality(endpoint_data(type_hash(kind), serviceid=name), depth=_DEPTH) for kind in (request, response)
-        )
-        self._reader, self.condition = reader(participant, request_topic(service.name), request, asked, has_header=True)
-        self._writer = writer(participant, response_topic(service.name), response, answered, has_header=True)
-        self._kind = sample_type(response, has_header=True)
-        self.ends = (
-            End(service, request_topic(service.name), request, self._reader.guid.bytes, is_reader=True),
-            End(service, response_topic(service.name), response, self._writer.guid.bytes, is_reader=False),
-        )
+        super().__init__(wire, participant, service, _SERVER, name)
+        self._answer = answer
         self._clients: dict[int, str] = {}  # request's writer → the client's id
         self._matched: dict[str, int] = {}  # client's id → response's reader
         self._late: list[_Late] = []
@@ -110,14 +136,6 @@ class DdsServer:
         late, self._late = self._late, []
         for item in late:
             self._send(item)
-
-    def close(self) -> None:
-        """Take it off the graph."""
-        with self._wire.lock:
-            if self._reader is not None:
-                self._wire.forget(self)
-                self.condition = self._reader = self._writer = None
-                self._late.clear()
 
     def _take(self, data: bytes, writer: int) -> None:
         client = self._client(writer)
@@ -161,7 +179,7 @@ class DdsServer:
         if writer not in self._clients:
             if len(self._clients) >= _MOST_CLIENTS:
                 self._clients.clear()
-            self._clients[writer] = _value(self._reader.get_matched_publication_data(writer), "clientid")
+            self._clients[writer] = _value(self._reader.get_matched_publication_data(writer), _CLIENT)
         return self._clients[writer]
 
     def _has_reader(self, client: str) -> bool:
@@ -169,7 +187,7 @@ class DdsServer:
         handles = self._writer.get_matched_subscriptions()
         if self._matched.get(client) not in handles:
             data = self._writer.get_matched_subscription_data
-            self._matched = {_value(data(handle), "clientid"): handle for handle in handles}
+            self._matched = {_value(data(handle), _CLIENT): handle for handle in handles}
         return client in self._matched
 
     def _tell(self, text: str) -> None:
@@ -179,7 +197,7 @@ class DdsServer:
             _log.warning("%s: %s", self.topic.name, text)
 
 
-class DdsClient:
+class DdsClient(_ServiceEnds):
     """Asks a service of another program.
 
     Args:
@@ -190,9 +208,6 @@ class DdsClient:
         changed: Is called when the service comes and goes.
 
     Attributes:
-        topic: The service.
-        ends: Its reader and its writer.
-        condition: The condition that there are responses.
         is_there: Whether the service is there.
     """
 
@@ -204,21 +219,8 @@ class DdsClient:
         name: str,
         changed: Callable[[], None],
     ):
-        self.topic, self.is_there = service, False
-        self._wire, self._changed = wire, changed
-        request, response = f"{service.type}_Request", f"{service.type}_Response"
-        asked, answered = (
-            quality(endpoint_data(type_hash(kind), clientid=name), depth=_DEPTH) for kind in (request, response)
-        )
-        self._reader, self.condition = reader(
-            participant, response_topic(service.name), response, answered, has_header=True
-        )
-        self._writer = writer(participant, request_topic(service.name), request, asked, has_header=True)
-        self._kind = sample_type(request, has_header=True)
-        self.ends = (
-            End(service, response_topic(service.name), response, self._reader.guid.bytes, is_reader=True),
-            End(service, request_topic(service.name), request, self._writer.guid.bytes, is_reader=False),
-        )
+        super().__init__(wire, participant, service, _CLIENT, name)
+        self.is_there, self._changed = False, changed
         self._own = self._writer.get_instance_handle() % (1 << 64)
         self._numbers = itertools.count(1)
         self._asked: dict[int, Reply] = {}
@@ -256,8 +258,8 @@ class DdsClient:
         if matched == self._servers:
             return
         self._servers = matched
-        readers = {_value(self._writer.get_matched_subscription_data(item), "serviceid") for item in matched[0]}
-        writers = {_value(self._reader.get_matched_publication_data(item), "serviceid") for item in matched[1]}
+        readers = {_value(self._writer.get_matched_subscription_data(item), _SERVER) for item in matched[0]}
+        writers = {_value(self._reader.get_matched_publication_data(item), _SERVER) for item in matched[1]}
         is_there = bool(readers & writers - {""})
         if is_there != self.is_there:
             self.is_there = is_there
@@ -268,10 +270,8 @@ class DdsClient:
     def close(self) -> None:
         """Take it off the graph."""
         with self._wire.lock:
-            if self._reader is not None:
-                self._wire.forget(self)
-                self.condition = self._reader = self._writer = None
-                self.is_there = False
+            super().close()
+            self.is_there = False
 
 
 def _value(endpoint: Any, key: str) -> str:

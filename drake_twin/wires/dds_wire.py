@@ -12,7 +12,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.requirements import missing
 from drake_twin.wires.dds_discovery import Discovery, End
-from drake_twin.wires.dds_endpoints import MOST_SAMPLES, Nothing, quality, reader, writer
+from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
 from drake_twin.wires.dds_service import DdsClient, DdsServer
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
@@ -27,7 +27,7 @@ from drake_twin.wires.rmw_dds_format import (
     topic_name,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name
-from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, ServiceClient, WireEndpoint
+from drake_twin.wires.wire import LARGEST, Closable, Nothing, Reply, Sender, ServiceClient, WireEndpoint
 
 _log = logging.getLogger(__name__)
 LOOPBACK = "127.0.0.1"

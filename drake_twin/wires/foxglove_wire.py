@@ -16,7 +16,7 @@ from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, Foxgl
 from drake_twin.wires.foxglove_log import log_causes_once
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.foxglove_service import FoxgloveService
-from drake_twin.wires.wire import Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import Closable, Nothing, Reply, Sender, WireEndpoint
 
 PORT = 8765
 _CLOCK = "rosgraph_msgs/msg/Clock"
@@ -90,7 +90,7 @@ class FoxgloveWire:
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
         if not self._is_readable(topic):
-            return _Nothing()
+            return Nothing()
         self._graph.add(PUBLISHED, topic)
         return _Sender(self, self._clients, topic, listened)
 
@@ -188,18 +188,6 @@ def _is_free(host: str, port: int) -> bool:
     with contextlib.suppress(OSError), socket.create_server((host, port)):
         return True
     return False
-
-
-class _Nothing:
-    """Stands for what is not offered."""
-
-    is_heard = False
-
-    def send(self, data: bytes, at: int) -> None:
-        """Send nothing."""
-
-    def close(self) -> None:
-        """Nothing is to be ended."""
 
 
 class _Sender:

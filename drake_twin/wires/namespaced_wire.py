@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from drake_twin.wires.wire import Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import AskingWire, Closable, Nothing, Reply, Sender, ServiceClient, WireEndpoint
 
 
 class NamespacedWire:
@@ -36,6 +36,10 @@ class NamespacedWire:
         """Offer a service; see `drake_twin.wires.wire.Wire`."""
         server: Closable = self._wire.serve(self._named(service), answer)
         return server
+
+    def client(self, service: WireEndpoint, changed: Callable[[], None]) -> ServiceClient:
+        """Look for a service of another program; see `drake_twin.wires.wire.AskingWire`."""
+        return self._wire.client(self._named(service), changed) if isinstance(self._wire, AskingWire) else Nothing()
 
     def topics_beside(self, node: str) -> Sequence[str]:
         """Return the topics that other programs publish in which a node of this namespace runs, without it."""

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from drake_twin.errors import InputError
+from drake_twin.findings import first_of
 from drake_twin.twin.endpoints import TWIN_NODE
 
 _NAMED = 3  # topics in the message
@@ -42,7 +43,7 @@ def refuse_other_twin(wire: SeesGraph, topics: Iterable[str]) -> None:
     both = [topic for topic in topics if topic in there]
     if not both:
         return
-    named = ", ".join(both[:_NAMED]) + (f" and {len(both) - _NAMED} more" if len(both) > _NAMED else "")
+    named = first_of(both, _NAMED)
     raise InputError(
         f"another twin is on ROS domain {wire.domain} and publishes {named}, which this one would publish as well: end"
         " that twin, or give this one a domain of its own with --ros-domain N, or names of its own with --ros-namespace"

@@ -120,3 +120,18 @@ class Wire(Protocol):
 
     def close(self) -> None:
         """End the wire."""
+
+
+class Nothing:
+    """Stands for the sender, the end or the client of what a wire does not carry."""
+
+    is_heard = is_there = False
+
+    def send(self, data: bytes, time: int) -> None:
+        """Send nothing."""
+
+    def ask(self, request: bytes, answered: Reply) -> None:
+        """Ask nobody."""
+
+    def close(self) -> None:
+        """Nothing is to be ended."""

@@ -25,7 +25,7 @@ from drake_twin.wires.rmw_zenoh_format import (
     topic_key,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name, ros_type
-from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import LARGEST, Closable, Nothing, Reply, Sender, WireEndpoint
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
@@ -75,7 +75,7 @@ class ZenohWire:
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
         if not _has_name(topic):
-            return _Nothing()
+            return Nothing()
         sender = _Sender(self._session, self._graph, topic, listened, self._senders.remove)
         self._senders.append(sender)
         return sender
@@ -83,13 +83,13 @@ class ZenohWire:
     def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
         """Hear a topic; see `drake_twin.wires.wire.Wire`."""
         if not _has_name(topic):
-            return _Nothing()
+            return Nothing()
         return _Listener(self._session, self._graph, topic, heard)
 
     def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
         """Offer a service; see `drake_twin.wires.wire.Wire`."""
         if not _has_name(service):
-            return _Nothing()
+            return Nothing()
         return _Server(self._session, self._graph, service, answer)
 
     def tokens(self, domain: int | str) -> list[str]:
@@ -141,18 +141,6 @@ def _has_name(endpoint: WireEndpoint) -> bool:
         return True
     _log.warning("%s of %s is not on the graph: it is not a name of ROS", endpoint.name, endpoint.node)
     return False
-
-
-class _Nothing:
-    """Stands for what is not on the graph."""
-
-    is_heard = False
-
-    def send(self, data: bytes, at: int) -> None:
-        """Send nothing."""
-
-    def close(self) -> None:
-        """Nothing is to be ended."""
 
 
 class _Graph:

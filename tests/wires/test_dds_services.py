@@ -7,6 +7,7 @@ import threading
 import pytest
 from conftest import ROVER, rovers
 from nodes.node_runs import HEAD, script
+from waiting import until
 from wires.ros_client import while_running
 from wires.ros_dds_client import dds_peer
 
@@ -262,7 +263,20 @@ def test_a_client_with_another_type_is_told_of_once(twin, caplog):
     ]
 
 
-ASKING = f"""{HEAD}
+SAYING = """
+def say(*words):
+    with open(__file__ + ".said", "a") as file:  # what nodes print is captured while they write
+        print(*words, file=file)
+"""
+
+
+def said(node):
+    """What a node has said so far."""
+    file = node.with_name(f"{node.name}.said")
+    return file.read_text() if file.exists() else ""
+
+
+ASKING = f"""{HEAD}{SAYING}
 from example_interfaces.srv import AddTwoInts
 from rclpy.action import ActionClient
 from simulation_interfaces.action import SimulateSteps
@@ -270,49 +284,47 @@ from simulation_interfaces.action import SimulateSteps
 rclpy.init()
 node = Node("asking")
 client = node.create_client(AddTwoInts, "/elsewhere/add")
-print("is there:", client.wait_for_service())
+say("is there:", client.wait_for_service())
 future = client.call_async(AddTwoInts.Request(a=2, b=40))
 rclpy.spin_until_future_complete(node, future)
-print("sum:", future.result().sum)
+say("sum:", future.result().sum)
 
 steps = ActionClient(node, SimulateSteps, "/elsewhere/steps")
 steps.wait_for_server()
 future = steps.send_goal_async(
-    SimulateSteps.Goal(steps=3), lambda message: print("feedback:", message.feedback.completed_steps)
+    SimulateSteps.Goal(steps=3), lambda message: say("feedback:", message.feedback.completed_steps)
 )
 rclpy.spin_until_future_complete(node, future)
 goal = future.result()
-print("accepted:", goal.accepted)
+say("accepted:", goal.accepted)
 future = goal.get_result_async()
 rclpy.spin_until_future_complete(node, future)
-print("result:", future.result().status, future.result().result.result.error_message)
+say("result:", future.result().status, future.result().result.result.error_message)
 other = node.create_client(AddTwoInts, "/nowhere")
 other.call_async(AddTwoInts.Request())
-print("at the end", flush=True)
+say("at the end")
 """
 
 
-def test_a_node_asks_services_and_actions_of_other_programs(tmp_path, capfd, caplog):
+def test_a_node_asks_services_and_actions_of_other_programs(tmp_path, caplog):
     """Of a server that is not there, one line says that the request is lost."""
     wire = DdsWire(DOMAIN)
-    builder = rovers(1).node(script(tmp_path, "asking.py", ASKING))
-    with builder.build() as twin, dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+    node = script(tmp_path, "asking.py", ASKING)
+    with rovers(1).node(node).build() as twin, dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
         seam = connect(twin, [wire], twin.companions[0])
-        said = []
 
         def work():
             peer.serve("/elsewhere/add", "AddTwoInts", [])
             peer.serve("/elsewhere/steps/_action/send_goal", "SendGoal", [True, [1, 2]])
             peer.serve("/elsewhere/steps/_action/cancel_goal", "CancelGoal", [0, []])
             peer.serve("/elsewhere/steps/_action/get_result", "GetResult", [4, [[1, "done"]]])
-            while "at the end" not in "".join(said):
-                said.append(capfd.readouterr().out)
+            until(lambda: said(node).endswith("at the end\n"))
 
         try:
             while_running(twin, work)
         finally:
             seam.close()
-    assert "".join(said).splitlines() == [
+    assert said(node).splitlines() == [
         "is there: True",
         "sum: 42",
         "accepted: True",
@@ -325,7 +337,7 @@ def test_a_node_asks_services_and_actions_of_other_programs(tmp_path, capfd, cap
     )
 
 
-QUALITIES = f"""{HEAD}
+QUALITIES = f"""{HEAD}{SAYING}
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 
 rclpy.init()
@@ -333,7 +345,7 @@ node = Node("qualities")
 kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 node.create_publisher(String, "/kept", kept).publish(String(data="at the start"))
 def hear(message):
-    print("heard:", message.data, flush=True)
+    say("heard:", message.data)
 
 
 node.create_subscription(String, "/sensed", hear, qos_profile_sensor_data)
@@ -341,20 +353,19 @@ rclpy.spin(node)
 """
 
 
-def test_what_a_node_keeps_and_hears_of_best_effort(tmp_path, capfd):
+def test_what_a_node_keeps_and_hears_of_best_effort(tmp_path):
     """A latched message from before the topic was on the wire, and one of a publisher that sensors have."""
-    with rovers(1).node(script(tmp_path, "node.py", QUALITIES)).build() as twin, dds_peer(DOMAIN) as peer:
+    node = script(tmp_path, "node.py", QUALITIES)
+    with rovers(1).node(node).build() as twin, dds_peer(DOMAIN) as peer:
         seam = connect(twin, [DdsWire(DOMAIN)], twin.companions[0])
-        said = []
 
         def work():
             peer.subscribe("/kept", "Text", is_latched=True)
             found = []
             while not found:
                 found = peer.heard("/kept")
-            while "heard: a scan" not in "".join(said):  # the first may come before the twin's reader knows the writer
+            while "heard: a scan" not in said(node):  # the first may come before the twin's reader knows the writer
                 peer.publish("/sensed", "Text", "a scan", is_best_effort=True)
-                said.append(capfd.readouterr().out)
             return found
 
         try:

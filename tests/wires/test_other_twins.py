@@ -58,6 +58,10 @@ def test_a_namespace_goes_before_all_names():
     assert wire.senders["/left/tf"].topic.node == "/left/robot_state_publisher"
     assert wire.listeners["/left/r/cmd_vel"].endpoint.node == "/left/r/drive"
     assert wire.services["/left/drake_twin/step"].endpoint.node == "/left/drake_twin"
+    assert not named.client(WireEndpoint("/add", "std_srvs/srv/Trigger", "", "/asker"), lambda: None).is_there
+    wire.client = lambda service, changed: service  # as a wire over which others can be asked
+    asked = named.client(WireEndpoint("/add", "std_srvs/srv/Trigger", "", "/asker"), lambda: None)
+    assert (asked.name, asked.node) == ("/left/add", "/left/asker")
     beside = NamespacedWire(Beside("/left/drake_twin", "/left/clock", "/tf"), "/left")
     assert beside.topics_beside("/drake_twin") == ["/clock", "/tf"]
 
