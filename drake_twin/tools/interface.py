@@ -121,7 +121,7 @@ VERBS = {
     "list": Verb("list all types", _add_kinds, _list, needs_twin=False),
     "package": Verb("list the types of a package", _add_package, _package, needs_twin=False),
     "packages": Verb("list the packages that have types", _add_kinds, _packages, needs_twin=False),
-    "show": Verb("print the fields of a type", _add_show, _show, needs_twin=False),
+    "show": Verb("print the fields of a type, without comments", _add_show, _show, needs_twin=False),
     "proto": Verb("print a message or a request with its default values", _add_proto, _proto, needs_twin=False),
 }
 

@@ -1,4 +1,4 @@
-"""Types as ``ros2 interface`` of Jazzy shows them; no twin is needed."""
+"""Types as ``ros2 interface`` of Jazzy shows them, but without comments; no twin is needed."""
 
 import pytest
 
