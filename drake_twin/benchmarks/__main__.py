@@ -35,22 +35,22 @@ def _parser() -> ArgumentParser:
 
 def _main(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(list(arguments))
+    for section in options.sections:
+        if section not in SECTIONS:
+            raise InputError(f"unknown section {section!r}", value=section, valid=SECTIONS)
+    counts = None if options.robots is None else _numbers(options.robots)
     absent = [name for name in EXTRAS["benchmarks"].modules if find_spec(name) is None]
     if "pybullet" in absent and sys.version_info >= (3, 12):
         absent.remove("pybullet")
         say("PyBullet is left out: it is not installed, and has no wheel for Python 3.12 and later", sys.stderr)
     if absent:
         raise missing("the benchmarks need", *absent)
-    for section in options.sections:
-        if section not in SECTIONS:
-            raise InputError(f"unknown section {section!r}", value=section, valid=SECTIONS)
     tables: list[Table] = []
     with tempfile.TemporaryDirectory() as folder:
         size = Size(Path(folder), max(1, options.repeats))
         if options.quick:
             size = Size(Path(folder), repeats=1, counts=(1, 2), many=(1, 2), scale=0.05)
-        if options.robots is not None:
-            counts = _numbers(options.robots)
+        if counts is not None:
             size = replace(size, counts=counts, many=counts)
         for name in options.sections or SECTIONS:
             say(f"measuring: {name} …", sys.stderr)
