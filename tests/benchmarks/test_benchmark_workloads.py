@@ -26,3 +26,13 @@ def test_waving_arms_swing_about_zero_at_their_rates():
     assert first.mean(axis=1) == pytest.approx(0.0, abs=1e-12)
     assert [workload.commands(3, period)[robot][0] for robot in range(3)] == pytest.approx(first[:, 0])
     assert first[:, 0] == pytest.approx(0.5 * np.sin([0, 1, 2]))
+
+
+@pytest.mark.parametrize(("joint", "rate", "most"), [(0, 3.0, 0.5), (1, 2.3, 0.4), (2, 4.1, 0.4), (3, 5.0, 0.2)])
+def test_each_joint_of_a_waving_arm_has_a_rate_of_its_own(joint, rate, most):
+    """The spectrum over seven periods has one line."""
+    workload, period = WORKLOADS["arms whose commands change"], 2 * np.pi / rate
+    times = np.arange(700) / 100 * period
+    spectrum = np.abs(np.fft.rfft([workload.commands(1, time)[0][joint] for time in times])) / 350
+    assert spectrum[7] == pytest.approx(most)
+    assert np.delete(spectrum, 7).max() < 1e-9
