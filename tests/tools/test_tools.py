@@ -173,6 +173,11 @@ def test_who_publishes_and_hears_a_topic(tool):
     _, out, _ = tool(topic, "info", "-v", COMMANDS)
     assert "Node name: forward_velocity_controller\nNode namespace: /robot_1\n" in out
     assert "Endpoint type: SUBSCRIPTION" in out
+    assert re.search(r"\nGID: ([0-9a-f]{2}\.){15}[0-9a-f]{2}\nQoS profile:\n", out)
+    assert out.partition("QoS profile:\n")[2] == (  # as rclpy's TopicEndpointInfo
+        "  Reliability: RELIABLE\n  History (Depth): KEEP_LAST (10)\n  Durability: VOLATILE\n  Lifespan: Infinite\n"
+        "  Deadline: Infinite\n  Liveliness: AUTOMATIC\n  Liveliness lease duration: Infinite\n\n"
+    )
     assert "Durability: TRANSIENT_LOCAL" in tool(topic, "info", "-v", "/tf_static")[1]
 
 
