@@ -51,3 +51,11 @@ def test_child_links_are_where_drake_puts_them(pairs):
 def test_no_joints_have_no_frames():
     frames = JointFrames([])
     assert (frames.xyz(np.zeros(0)).shape, frames.quaternions(np.zeros(0)).shape) == ((0, 3), (0, 4))
+
+
+def test_a_joint_moves_its_child_along_where_it_slides_or_turns_beside_its_axis():
+    """A child link on the axis of its joint only turns."""
+    origin, beside, on_axis = Pose((1.0, 2.0, 3.0)), Pose((0.0, 0.5, 0.7)), Pose((0.0, 0.0, 0.7))
+    kinds = [("revolute", on_axis), ("continuous", beside), ("prismatic", on_axis), ("prismatic", beside)]
+    frames = JointFrames([Joint("j", kind, "a", "b", origin, (0.0, 0.0, 1.0), child_origin=at) for kind, at in kinds])
+    assert frames.moves_along.tolist() == [False, True, True, True]
