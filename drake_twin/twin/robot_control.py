@@ -184,7 +184,8 @@ class RobotControl:
         if fallbacks:
             what += f"; fallback controllers {', '.join(fallbacks)} are activated"
         self.faults.append(Finding(Kind.FAILED, what, self._plan.name))
-        _log.error("%s: %s", self._plan.name, what)
+        node = f"{self._plan.robot.topic_namespace}/controller_manager"
+        _log.error("%s: %s", self._plan.name, what, extra={"node": node})
 
     def take_back(self) -> None:
         """Restore the assignment in `kept`, because the next step has failed."""

@@ -20,10 +20,12 @@ from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
+from drake_twin.twin.event_topics import ROSOUT, EventTopics
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
 from drake_twin.twin.physics import Physics, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
+from drake_twin.twin.rosout import TwinLog
 from drake_twin.twin.schedule import step_at
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
@@ -69,6 +71,7 @@ class Session:
         subscriptions: The callbacks of topics.
         simulated: The time that has been simulated since the session was made (s), also before resets.
         alarm: The stops for node programs.
+        events: The topics that no port of the diagram has.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -90,6 +93,8 @@ class Session:
         self.subscriptions = Subscriptions(scenario.time_step)
         self.simulated = 0.0
         self.alarm = Alarm(scenario.time_step)
+        self.events = EventTopics(lambda: self.clock.time)
+        TwinLog(self.events[ROSOUT], lambda: self.clock.time)
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._start()
         self.sunk: dict[str, tuple[Finding, ...]] = self.find_sunk(tuple(self.controls))

@@ -93,6 +93,10 @@ class Stepper:
                     session.alarm.ring()
                     if self.paused or session.alarm.requests:
                         break
+                if session.events.is_waiting:
+                    session.events.deliver()
+                    if self.paused or session.alarm.requests:
+                        break
                 if self._inbox.is_open and self._inbox.is_waiting:
                     self._inbox.look()
                     if self.paused:
@@ -103,6 +107,7 @@ class Stepper:
                 self._advance_once(target)
             if not session.subscriptions.is_caught_up:
                 session.subscriptions.catch_up(clock.step)
+            session.events.deliver()
             if clock.next_time_step is not None:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:

@@ -204,8 +204,13 @@ class DdsWire:
 
 
 def _quality(topic: WireEndpoint) -> Any:
-    depth, may_lose = 1 if topic.latched else 10, topic.is_best_effort
-    return quality(endpoint_data(topic.hash), latched=topic.latched, depth=depth, is_best_effort=may_lose)
+    return quality(
+        endpoint_data(topic.hash),
+        latched=topic.latched,
+        depth=topic.kept,
+        is_best_effort=topic.is_best_effort,
+        lifespan=topic.lifespan,
+    )
 
 
 def _can_be(endpoint: WireEndpoint, *types: str) -> bool:

@@ -21,15 +21,19 @@ class Qos:
     Attributes:
         transient_local: Whether a late joiner gets the last messages.
         depth: How many messages are kept.
+        lifespan: How long they are kept (s); None for always.
     """
 
     transient_local: bool = False
     depth: int = 10
+    lifespan: float | None = None
 
     def __str__(self) -> str:
         # Reliable is 1, transient local 1, volatile 2, keep last 1 (rmw/types.h). They are written out: an empty field
         # is rmw_zenoh's own default, which is not the same in all of its versions.
-        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:,:,,"
+        seconds, nanoseconds = divmod(round((self.lifespan or 0.0) * 1e9), 10**9)
+        lifespan = "," if self.lifespan is None else f"{seconds},{nanoseconds}"
+        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:{lifespan}:,,"
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ class WireEndpoint:
         latched: Whether late joiners get the last message of the topic.
         is_best_effort: Whether messages of the topic may be lost.
         definition: The text of the topic's message type, with those of the messages in it.
+        depth: How many messages of the topic are kept for who is slow or late; 0 for what suits it.
+        lifespan: How long they are kept (s); None for always.
     """
 
     name: str
@@ -29,6 +31,13 @@ class WireEndpoint:
     latched: bool = False
     definition: str = ""
     is_best_effort: bool = False
+    depth: int = 0
+    lifespan: float | None = None
+
+    @property
+    def kept(self) -> int:
+        """How many messages of the topic are kept."""
+        return self.depth or (1 if self.latched else 10)
 
 
 class Sender(Protocol):

@@ -210,14 +210,14 @@ class _Sender:
                 session,
                 key,
                 congestion_control=drop,
-                cache=ext.CacheConfig(1),
+                cache=ext.CacheConfig(topic.kept),
                 publisher_detection=True,
                 sample_miss_detection=ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT),
             )
         else:
             self._publisher = session.declare_publisher(key, congestion_control=drop)
             self._listeners = self._publisher.declare_matching_listener(handlers.RingChannel(1))
-        self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, 1 if topic.latched else 10))
+        self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, topic.kept, topic.lifespan))
 
     def send(self, data: bytes, at: int) -> None:
         """Send a message; its source timestamp is the wall clock's, as rmw_zenoh's is."""
@@ -257,11 +257,11 @@ class _Listener:
         call = handlers.Callback(self._take, indirect=False)
         key = any_type_key(graph.domain, topic.name)
         if topic.latched:
-            history = ext.HistoryConfig(max_samples=1, detect_late_publishers=True)
+            history = ext.HistoryConfig(max_samples=topic.kept, detect_late_publishers=True)
             self._subscriber: Any = ext.declare_advanced_subscriber(session, key, call, history=history)
         else:
             self._subscriber = session.declare_subscriber(key, call)
-        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos(topic.latched, 1 if topic.latched else 10))
+        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos(topic.latched, topic.kept))
 
     def close(self) -> None:
         """Take it off the graph."""
