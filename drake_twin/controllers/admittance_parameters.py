@@ -1,6 +1,7 @@
 """Parameters of admittance_controller (Jazzy)."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -137,6 +138,11 @@ class AdmittanceParameters:
         admittance: The mass, damper and spring.
         enable_parameter_update_without_reactivation: Whether changed parameters are used at once.
     """
+
+    read_only: ClassVar[tuple[str, ...]] = (
+        *("joints", "command_joints", "command_interfaces", "state_interfaces", "chainable_command_interfaces"),
+    )
+    live: ClassVar[tuple[str, ...]] = ("admittance.*", "gravity_compensation.CoG.*", "ft_sensor.filter_coefficient")
 
     joints: tuple[str, ...]
     command_joints: tuple[str, ...] = ()

@@ -46,6 +46,7 @@ class Stepper:
         self._thread: int | None = None
         self._refused: dict[str, str] = {}  # topics of the scenario's commands → why the last one was refused
         self.paused = False
+        session.is_advancing = lambda: self.is_advancing
 
     @property
     def is_advancing(self) -> bool:

@@ -84,7 +84,7 @@ def test_time_that_was_granted_and_not_simulated_is_missed(twin):
     twin.run(until=0.5)
     level, message, values = told(twin.latest("/diagnostics"))[SIMULATION]
     assert (level, message) == (WARN, "Simulation is slower than its real-time rate")
-    assert float(values["missed_time"]) >= 1e6 / 30 - 10.0
+    assert float(values["missed_time"]) > 33_323.0
     assert values["real_time_rate"] == "1000000.000000"
     level, message, values = told(twin.latest("/diagnostics"))[SIMULATION]
     assert (level, message) == (OK, "Simulation is running")
