@@ -158,7 +158,7 @@ class AdmittanceParameters:
     gravity_compensation: GravityCompensation
     admittance: AdmittanceGains
     enable_parameter_update_without_reactivation: bool = field(
-        default=True, metadata={"unsupported": "parameters do not change while a controller runs"}
+        default=True, metadata={"unsupported": "changed parameters are used at once"}
     )
 
     def __post_init__(self) -> None:

@@ -151,7 +151,7 @@ def _list_parameters(node: ParameterNode, request: Any) -> Fields:
 def _set_parameters(node: ParameterNode, request: Any) -> Fields:
     """Set each parameter by itself; all at once if that can be done, for each may take a while."""
     values = [(item.name, python_value(item.value)) for item in request.parameters]
-    if len(values) > 1 and not node.put(dict(values)):
+    if 1 < len(values) == len(dict(values)) and not node.put(dict(values)):
         return {"results": [_result("") for _ in values]}
     return {"results": [_result(node.put({name: value})) for name, value in values]}
 
