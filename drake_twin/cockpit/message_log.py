@@ -8,6 +8,7 @@ from typing import Any
 
 import drake_twin
 from drake_twin.twin.event_topics import ROSOUT
+from drake_twin.twin.rosout import TWIN
 from drake_twin.twin.twin import Twin
 
 _MOST = 200
@@ -64,7 +65,7 @@ class MessageLog(logging.Handler):
     def _add_line(self, line: Any) -> None:
         """Add a line of ``/rosout``; those that the package has logged are here already."""
         file = Path(line.file)
-        is_own = file.is_relative_to(_OWN) and not file.is_relative_to(_PROGRAMS)
+        is_own = line.name == TWIN or (file.is_relative_to(_OWN) and not file.is_relative_to(_PROGRAMS))
         if line.level in _LEVELS and not is_own:
             self.add(_LEVELS[line.level], f"{line.name}: {line.msg}")
 

@@ -27,6 +27,7 @@ class Endpoint:
         is_best_effort: Whether messages may be lost.
         depth: How many messages are kept for who is slow or late; 0 for what suits the topic.
         lifespan: How long messages are kept (s); None for always.
+        of_all_nodes: Whether each node publishes it.
     """
 
     kind: str
@@ -40,6 +41,7 @@ class Endpoint:
     is_best_effort: bool = False
     depth: int = 0
     lifespan: float | None = None
+    of_all_nodes: bool = False
 
 
 class ServiceEndpoint(Protocol):

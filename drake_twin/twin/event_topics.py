@@ -15,8 +15,19 @@ ROSOUT, PARAMETER_EVENTS, DIAGNOSTICS = "/rosout", "/parameter_events", "/diagno
 
 # With the quality of service that rcl, rclpy and diagnostic_updater have for them.
 _ENDPOINTS = (
-    Endpoint(PUBLISHED, ROSOUT, "rcl_interfaces/msg/Log", TWIN_NODE, latched=True, depth=1000, lifespan=10.0),
-    Endpoint(PUBLISHED, PARAMETER_EVENTS, "rcl_interfaces/msg/ParameterEvent", TWIN_NODE, depth=1000),
+    Endpoint(
+        PUBLISHED,
+        ROSOUT,
+        "rcl_interfaces/msg/Log",
+        TWIN_NODE,
+        latched=True,
+        depth=1000,
+        lifespan=10.0,
+        of_all_nodes=True,
+    ),
+    Endpoint(
+        PUBLISHED, PARAMETER_EVENTS, "rcl_interfaces/msg/ParameterEvent", TWIN_NODE, depth=1000, of_all_nodes=True
+    ),
     Endpoint(PUBLISHED, DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray", TWIN_NODE, rate=1.0, depth=1),
 )
 
@@ -95,7 +106,7 @@ class EventTopic:
         return self._draft(lambda: fields)
 
     def deliver(self) -> None:
-        """Call back with what waits now."""
+        """Call back with the pending messages."""
         for subscriber in tuple(self._subscribers):
             for _ in range(len(subscriber.waiting)):
                 draft = subscriber.waiting.popleft()
@@ -146,7 +157,7 @@ class EventTopics(Mapping[str, EventTopic]):
         return _ENDPOINTS
 
     def deliver(self) -> None:
-        """Call back with what waits now, in the thread that advances the twin."""
+        """Call back with the pending messages, in the thread that advances the twin."""
         if self.is_waiting:
             self.is_waiting = False
             for topic in self._topics.values():

@@ -7,7 +7,7 @@ from typing import Any
 from drake_twin.messages import time_message
 from drake_twin.twin.event_topics import EventTopic
 
-_TWIN = "drake_twin"
+TWIN = "drake_twin"
 
 
 def put_line(topic: EventTopic, *, time: float, level: int, name: str, text: str, place: tuple[str, str, int]) -> None:
@@ -48,11 +48,11 @@ class TwinLog(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Publish a record, from any thread."""
-        name = str(getattr(record, "node", _TWIN)).strip("/").replace("/", ".")
+        name = str(getattr(record, "node", TWIN)).strip("/").replace("/", ".")
         level = min(max(record.levelno // 10, 1), 5) * 10
         place = record.pathname, record.funcName or "", record.lineno
         put_line(self._topic, time=self._now(), level=level, name=name, text=record.getMessage(), place=place)
 
     def _follow(self, is_heard: bool) -> None:
-        log = logging.getLogger(_TWIN)
+        log = logging.getLogger(TWIN)
         (log.addHandler if is_heard else log.removeHandler)(self)

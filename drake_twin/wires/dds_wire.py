@@ -4,7 +4,7 @@ import itertools
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -195,11 +195,15 @@ class DdsWire:
                 self._readings.insert(0, self._readings.pop(index))
                 count -= 1
 
-    def _tell_graph(self, ends: Iterable[End]) -> None:
+    def _tell_graph(self, ends: Sequence[End]) -> None:
         nodes: dict[str, tuple[list[bytes], list[bytes]]] = {}
         for end in ends:
             nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
-        entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
+        of_all = [end.guid for end in ends if end.of.of_all_nodes]
+        entities = {
+            name: NodeEndpoints(tuple(readers), tuple(dict.fromkeys((*writers, *of_all))))
+            for name, (readers, writers) in nodes.items()
+        }
         self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
 
 

@@ -340,6 +340,7 @@ def _wired(endpoint: Endpoint) -> WireEndpoint:
         endpoint.is_best_effort,
         depth=endpoint.depth,
         lifespan=endpoint.lifespan,
+        of_all_nodes=endpoint.of_all_nodes,
     )
 
 

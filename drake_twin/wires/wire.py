@@ -22,6 +22,7 @@ class WireEndpoint:
         definition: The text of the topic's message type, with those of the messages in it.
         depth: How many messages of the topic are kept for who is slow or late; 0 for what suits it.
         lifespan: How long they are kept (s); None for always.
+        of_all_nodes: Whether each node of the program publishes the topic, beside its own.
     """
 
     name: str
@@ -33,6 +34,7 @@ class WireEndpoint:
     is_best_effort: bool = False
     depth: int = 0
     lifespan: float | None = None
+    of_all_nodes: bool = False
 
     @property
     def kept(self) -> int:

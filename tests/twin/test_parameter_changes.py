@@ -44,7 +44,7 @@ def test_what_an_active_controller_follows_counts_at_once(twin):
 
 
 def test_gains_count_at_once_and_the_trajectory_goes_on(tmp_path):
-    """Without a gain the joint stays; with p an error decays by 1 - p / f at each of the updates, f = 100 Hz of them."""
+    """Without a gain the joint stays; with p an error decays by 1 - p / f at each update, of which f = 100 Hz come."""
     with arm(tmp_path, command_interfaces=["velocity"]) as twin:
         twin.publish(TOPIC, goal(seconds=0.1)["trajectory"])
         twin.advance_to(1.0)
