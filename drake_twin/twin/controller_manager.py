@@ -83,6 +83,10 @@ class ControllerManager:
         plan: The robot.
         switched: Called at every change with the activated controllers and those deactivated before.
         note: Called with the method and the arguments of every call that may change something.
+
+    Attributes:
+        loaded: Is called with a controller that has been loaded.
+        configured: Is called with a controller that has been configured.
     """
 
     def __init__(
@@ -95,12 +99,18 @@ class ControllerManager:
         self._plans = {item.name: item for item in plan.controllers}
         self._switched = switched
         self._note = note
+        self.loaded: Callable[[str], None] = lambda name: None
+        self.configured: Callable[[str], None] = lambda name: None
         self._states: dict[str, str] = {}
         self.restart()
 
     def restart(self) -> None:
         """Return to the states at the start, without a call of ``switched``."""
         self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
+
+    def follow(self, plan: RobotPlan) -> None:
+        """Follow another plan of the robot, with other parameters of its controllers."""
+        self._plan, self._plans = plan, {item.name: item for item in plan.controllers}
 
     def retire(self) -> None:
         """Remove all controllers: the robot has been deleted."""
@@ -220,6 +230,7 @@ class ControllerManager:
             known = ", ".join(self._plans) or "none"
             return Response(False, f"the parameters files have no controller {name!r}; they have {known}")
         self._states[name] = UNCONFIGURED
+        self.loaded(name)
         return Response(True)
 
     def configure_controller(self, name: str) -> Response:
@@ -234,6 +245,7 @@ class ControllerManager:
         if problem is not None:
             return Response(False, f"controller {name!r} cannot be configured: {problem}")
         self._states[name] = INACTIVE
+        self.configured(name)
         return Response(True)
 
     def unload_controller(self, name: str) -> Response:

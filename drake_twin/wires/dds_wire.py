@@ -4,7 +4,7 @@ import itertools
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -195,17 +195,26 @@ class DdsWire:
                 self._readings.insert(0, self._readings.pop(index))
                 count -= 1
 
-    def _tell_graph(self, ends: Iterable[End]) -> None:
+    def _tell_graph(self, ends: Sequence[End]) -> None:
         nodes: dict[str, tuple[list[bytes], list[bytes]]] = {}
         for end in ends:
             nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
-        entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
+        of_all = [end.guid for end in ends if end.of.of_all_nodes]
+        entities = {
+            name: NodeEndpoints(tuple(readers), tuple(dict.fromkeys((*writers, *of_all))))
+            for name, (readers, writers) in nodes.items()
+        }
         self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
 
 
 def _quality(topic: WireEndpoint) -> Any:
-    depth, may_lose = 1 if topic.latched else 10, topic.is_best_effort
-    return quality(endpoint_data(topic.hash), latched=topic.latched, depth=depth, is_best_effort=may_lose)
+    return quality(
+        endpoint_data(topic.hash),
+        latched=topic.latched,
+        depth=topic.kept,
+        is_best_effort=topic.is_best_effort,
+        lifespan=topic.lifespan,
+    )
 
 
 def _can_be(endpoint: WireEndpoint, *types: str) -> bool:

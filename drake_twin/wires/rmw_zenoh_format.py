@@ -40,7 +40,8 @@ class Qos:
     def __str__(self) -> str:
         # Reliable is 1, transient local 1, volatile 2, keep last 1 (rmw/types.h). They are written out: an empty field
         # is rmw_zenoh's own default, which is not the same in all of its versions.
-        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:,:,,"
+        lifespan = "," if self.lifespan is None else ",".join(map(str, divmod(self.lifespan, 10**9)))
+        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:{lifespan}:,,"
 
     @classmethod
     def of(cls, text: str) -> "Qos":

@@ -10,9 +10,9 @@ from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC, _quality, write_ba
 
 
 @pytest.mark.parametrize(("latched", "depth", "durability"), [(False, 10, "VOLATILE"), (True, 1, "TRANSIENT_LOCAL")])
-def test_a_latched_topic_keeps_its_last_message_and_others_ten_for_who_listens(latched, depth, durability):
+def test_a_topic_keeps_its_last_messages_as_deep_as_it_says(latched, depth, durability):
     """As a publisher of rclpy with the profile of this depth, and of ``robot_description``; times without an end."""
-    quality = _quality(latched)
+    quality = _quality(latched, depth, None)
     assert (quality.history.name, quality.depth, quality.durability.name) == ("KEEP_LAST", depth, durability)
     assert (quality.reliability.name, quality.liveliness.name) == ("RELIABLE", "AUTOMATIC")
     forever = {
@@ -20,6 +20,8 @@ def test_a_latched_topic_keeps_its_last_message_and_others_ten_for_who_listens(l
     }
     assert forever == {(2**31 - 1, 2**32 - 1)}  # DDS's Duration_t of infinity
     assert not quality.avoid_ros_namespace_conventions
+    lifespan = _quality(latched, depth, 2.5).lifespan
+    assert (lifespan.sec, lifespan.nsec) == (2, 500_000_000)
 
 
 def record(kind, number, time, content):
@@ -28,6 +30,7 @@ def record(kind, number, time, content):
 
 def test_records_are_a_bag_and_one_that_is_cut_off_is_left_out(tmp_path):
     topic = {"name": "/chatter", "type": "std_msgs/msg/String", "definition": "string data\n", "latched": False}
+    topic |= {"depth": 10, "lifespan": None}
     topic["hash"] = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"  # of rosidl
     said = [b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00", b"\x00\x01\x00\x00\x02\x00\x00\x00b\x00"]
     stream = record(TOPIC, 7, 0, json.dumps(topic).encode())
