@@ -5,7 +5,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import Any, TypeVar
 
 from drake_twin.errors import InputError
@@ -14,6 +14,7 @@ from drake_twin.requirements import missing
 from drake_twin.wires.dds_discovery import Discovery, End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
 from drake_twin.wires.dds_service import DdsClient, DdsServer
+from drake_twin.wires.loopback_sockets import loopback_only
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
     GRAPH_TYPE,
@@ -60,11 +61,16 @@ class DdsWire:
         self.domain = domain_of_environment() if domain is None else domain
         is_local = host == LOOPBACK
         self.place = f"open on {host}, {'without' if is_local else 'with'} multicast"
+        held: AbstractContextManager[list[int]] = loopback_only() if is_local else nullcontext([])
         try:
-            self._domain: Any = Domain(self.domain, configuration(host, multicast=not is_local))
-            self._participant: Any = DomainParticipant(self.domain, Qos(Policy.Userdata(PARTICIPANT_DATA)))
+            with held as open_ports:
+                self._domain: Any = Domain(self.domain, configuration(host, multicast=not is_local))
+                self._participant: Any = DomainParticipant(self.domain, Qos(Policy.Userdata(PARTICIPANT_DATA)))
         except DDSException as error:
             raise InputError(f"--ros dds: domain {self.domain} cannot be opened on {host}: {error}") from None
+        if open_ports:
+            what = "this system lets it receive from all interfaces: keep UDP ports %s behind a firewall"
+            _log.warning("DDS: %s", what % ", ".join(map(str, open_ports)))
         self._waiting: Any = WaitSet(self._participant)
         self._lock = threading.RLock()  # of the endpoints
         self._senders: list[_Sender] = []
