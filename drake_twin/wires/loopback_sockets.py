@@ -43,7 +43,7 @@ def _is_held(held: socket.socket) -> bool:
 
 
 def _descriptors() -> set[tuple[int, int]]:
-    """Return the descriptors of this process with what they stand for, as a number is given anew after its end."""
+    """Return the descriptors of this process with what they stand for, for a number is used again after its end."""
     found = set()
     for name in os.listdir(_DESCRIPTORS) if os.path.isdir(_DESCRIPTORS) else ():
         with suppress(OSError):
