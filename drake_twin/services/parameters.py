@@ -1,10 +1,11 @@
 """The parameter services of the nodes on the graph, as in ``rcl_interfaces``.
 
-The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers. Only the
-controllers' parameters can be set; the others are those that the robot's files give.
+The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers, and those of
+the twin's own services and topics. Only the controllers' parameters can be set; the others are those that the robot's
+files give.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -42,14 +43,21 @@ class ParameterNode:
 _Answer = Callable[[ParameterNode, Any], Fields]
 
 
-def parameter_services(twin: Twin) -> Iterator[Service]:
-    """Yield the parameter services of all nodes of the robots."""
-    for plan in twin.built.plans:
-        for node in _nodes(twin, plan):
-            for name, (kind, answer) in _ANSWERS.items():
-                between = node.builds and name in _SETS
-                full = f"{node.name}/{name}"
-                yield Service(full, f"rcl_interfaces/srv/{kind}", node.name, partial(answer, node), between)
+def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
+    """Yield the parameter services of all nodes.
+
+    Args:
+        twin: The twin, with the nodes of its robots.
+        others: Full names of nodes; those that are no robot's have the time of ``/clock`` alone.
+    """
+    nodes = {node.name: node for plan in twin.built.plans for node in _nodes(twin, plan)}
+    for other in sorted({*others} - nodes.keys()):
+        nodes[other] = constant_node(other, {})
+    for node in nodes.values():
+        for name, (kind, answer) in _ANSWERS.items():
+            between = node.builds and name in _SETS
+            full = f"{node.name}/{name}"
+            yield Service(full, f"rcl_interfaces/srv/{kind}", node.name, partial(answer, node), between)
 
 
 def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[ParameterNode]:
