@@ -164,3 +164,62 @@ def test_clients_of_foxglove_get_new_ones_and_only_the_first_what_was_before(twi
         )
         assert (got(first), got(second)) == (["born", "soon after", "for both"], ["for both"])
     seam.close()
+
+
+OF_ALL = {"/rosout", "/parameter_events"}
+
+
+def test_over_zenoh_each_node_has_them_as_long_as_it_is_there(twin):
+    pytest.importorskip("zenoh", reason="zenoh is not installed")
+    from wires.zenoh_peer import free_port
+
+    from drake_twin.client import Client
+    from drake_twin.wires.zenoh_wire import ZenohWire
+
+    port = free_port()
+    seam = connected(twin, ZenohWire(domain=DOMAIN, port=port))
+    try:
+        with Client(f"127.0.0.1:{port}", domain=DOMAIN) as client:
+            for is_there in (False, True, False):
+                entities = client.entities()
+                nodes = {item.node for item in entities if item.kind == "NN"}
+                assert ("/talker" in nodes) == is_there
+                for topic in OF_ALL:
+                    assert sorted(item.node for item in entities if item.name == topic) == sorted(nodes)
+                if is_there:
+                    twin.companions[0].close()
+                twin.advance_to(twin.time + 0.1)
+                twin.advance_to(twin.time + 0.1)
+    finally:
+        seam.close()
+
+
+def test_over_dds_each_node_has_them(twin):
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    from cyclonedds.domain import DomainParticipant
+
+    from drake_twin.wires.dds_endpoints import quality, reader
+    from drake_twin.wires.dds_wire import DdsWire
+    from drake_twin.wires.rmw_dds_format import GRAPH_TOPIC, GRAPH_TYPE
+
+    wire = DdsWire(DOMAIN)
+    seam = connected(twin, wire)
+    twin.advance_to(0.1)
+    twin.advance_to(0.2)
+    try:
+        other = DomainParticipant(DOMAIN)
+        graph, _ = reader(other, GRAPH_TOPIC, GRAPH_TYPE, quality(b"", latched=True, depth=1))
+
+        def nodes():
+            found = {}
+            while "talker" not in found:
+                for sample in graph.take(10):
+                    message = JAZZY.deserialize_cdr(sample.data, GRAPH_TYPE)
+                    found = {item.node_name: item.writer_gid_seq for item in message.node_entities_info_seq}
+            return found
+
+        writers = [{bytes(gid.data) for gid in gids} for gids in while_running(twin, nodes).values()]
+        assert len(writers) > 3
+        assert len(set.intersection(*writers)) == len(OF_ALL)
+    finally:
+        seam.close()
