@@ -50,8 +50,16 @@ class TwinLog(logging.Handler):
         """Publish a record, from any thread."""
         name = str(getattr(record, "node", TWIN)).strip("/").replace("/", ".")
         level = min(max(record.levelno // 10, 1), 5) * 10
+        if self._hides_last_resort() and logging.lastResort is not None and record.levelno >= logging.lastResort.level:
+            logging.lastResort.handle(record)
         place = record.pathname, record.funcName or "", record.lineno
         put_line(self._topic, time=self._now(), level=level, name=name, text=record.getMessage(), place=place)
+
+    def _hides_last_resort(self) -> bool:
+        """Return whether Python would print the record itself if it were not for this handler."""
+        own = logging.getLogger(TWIN).handlers
+        is_first = next((item for item in own if isinstance(item, TwinLog)), None) is self
+        return is_first and not logging.getLogger().handlers and all(isinstance(item, TwinLog) for item in own)
 
     def _follow(self, is_heard: bool) -> None:
         log = logging.getLogger(TWIN)

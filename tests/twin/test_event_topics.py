@@ -8,7 +8,7 @@ from conftest import rovers
 
 from drake_twin.errors import InputError
 from drake_twin.twin.event_topics import PARAMETER_EVENTS, ROSOUT, EventTopics
-from drake_twin.twin.rosout import put_line
+from drake_twin.twin.rosout import TwinLog, put_line
 
 
 @pytest.fixture
@@ -144,6 +144,23 @@ def test_the_package_has_no_handler_of_a_twin_that_nobody_listens_to(twin):
     twin.subscribe(ROSOUT, lambda line: None)
     twin.close()
     assert log.handlers == before
+
+
+def test_a_program_without_handlers_still_prints_warnings_once(monkeypatch, capsys):
+    """As Python's handler of last resort does while there is no other one."""
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    ends = []
+    for _ in range(2):
+        topics = EventTopics(lambda: 0.0)
+        handler = TwinLog(topics[ROSOUT], lambda: 0.0)
+        assert handler.level <= logging.DEBUG
+        ends.append(topics[ROSOUT].subscribe(lambda line: None))
+    logging.getLogger("drake_twin.x").warning("seen")
+    assert capsys.readouterr().err == "seen\n"
+    for end in ends:
+        end()
+    logging.getLogger("drake_twin.x").warning("seen")
+    assert capsys.readouterr().err == "seen\n"
 
 
 def test_lines_of_other_threads_come_in_the_thread_that_advances_the_twin(twin):
