@@ -151,9 +151,8 @@ class My(Node):
 
 def test_a_handler_calls_back_for_parameters_the_last_one_first(tmp_path, capsys):
     """As rclpy's parameter_event_handler.py: new and changed values, names of nodes relative to the handler's own."""
-    with running(
-        *(script(tmp_path, f"{name}.py", text) for name, text in (("watch", HANDLER), ("tuned", NODE)))
-    ) as twin:
+    files = [script(tmp_path, f"{name}.py", text) for name, text in (("watch", HANDLER), ("tuned", NODE))]
+    with running(*files) as twin:
         twin.advance_to(0.35)
     told = [line for line in capsys.readouterr().out.splitlines() if not line.startswith("event")]
     assert told == [

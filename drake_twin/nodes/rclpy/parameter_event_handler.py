@@ -133,7 +133,7 @@ class ParameterEventHandler:
         self._callbacks.remove_parameter_event_callback(handle)
 
     def _resolved(self, node: str) -> str:
-        """Return a node's full name: a relative one is in the namespace of the handler's own node, an empty one is it."""
+        """Return a node's full name: a relative one is in the namespace of the handler's own node, "" that node."""
         if not node:
             return self.node.get_fully_qualified_name()
         return node if node.startswith("/") else f"{self.node.get_namespace().rstrip('/')}/{node}"
