@@ -1,6 +1,7 @@
 """``/rosout``: lines of logs as ``rcl_interfaces/msg/Log``, those of the twin itself and those of node programs."""
 
 import logging
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -28,6 +29,24 @@ def put_line(topic: EventTopic, *, time: float, level: int, name: str, text: str
         return {"stamp": time_message(time), "level": level, "name": name, "msg": text, **source}
 
     topic.put(fields)
+
+
+def log_of(topic: EventTopic, now: Callable[[], float], node: str) -> Callable[[str], None]:
+    """Return what publishes lines of level info in a node's name.
+
+    Args:
+        topic: ``/rosout``.
+        now: Returns the simulation time (s).
+        node: The node's full name.
+    """
+    name = node.strip("/").replace("/", ".")
+
+    def tell(text: str) -> None:
+        caller = sys._getframe(1)
+        place = caller.f_code.co_filename, caller.f_code.co_name, caller.f_lineno
+        put_line(topic, time=now(), level=logging.INFO, name=name, text=text, place=place)
+
+    return tell
 
 
 class TwinLog(logging.Handler):

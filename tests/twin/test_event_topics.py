@@ -133,6 +133,30 @@ def test_what_the_twin_logs_is_on_rosout_with_the_nodes_name(twin):
     assert (own.file, own.function) == (__file__, "test_what_the_twin_logs_is_on_rosout_with_the_nodes_name")
 
 
+def test_a_controller_manager_tells_what_it_does_as_ros2_control(twin):
+    """The texts are those of Jazzy's controller_manager.cpp."""
+    heard, name = [], "forward_velocity_controller"
+    twin.subscribe(ROSOUT, heard.append)
+    manager = twin.control.manager("robot_1")
+    manager.switch_controller(deactivate=[name])
+    manager.unload_controller(name)
+    manager.load_controller(name)
+    manager.configure_controller(name)
+    manager.switch_controller(activate=[name, "nobody"], strictness=2)  # all or nothing
+    manager.switch_controller(activate=[name])
+    twin.advance_to(0.1)
+    assert {(line.name, line.level) for line in heard} == {("robot_1.controller_manager", 20)}
+    assert [line.msg for line in heard] == [
+        f"Deactivating controllers: [ {name} ]",
+        "Successfully switched controllers!",
+        f"Unloading controller: '{name}'",
+        f"Loading controller : '{name}' of type 'forward_command_controller/ForwardCommandController'",
+        f"Configuring controller: '{name}'",
+        f"Activating controllers: [ {name} ]",
+        "Successfully switched controllers!",
+    ]
+
+
 def test_the_package_has_no_handler_of_a_twin_that_nobody_listens_to(twin):
     log = logging.getLogger("drake_twin")
     before = list(log.handlers)
