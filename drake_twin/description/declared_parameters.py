@@ -15,6 +15,7 @@ import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cache
 from typing import Any
 
 from drake_twin.description.parameters import parameter_names
@@ -181,6 +182,7 @@ def _each(owner: Any, item: "dataclasses.Field[Any]", rest: str, root: Any, done
         yield from _values(known[key] if key in known else inner(), rest, root, f"{done}{key}.")
 
 
+@cache
 def parameter_text(parameters: type, name: str) -> str:
     """Return what the docstrings of a parameters class say of a parameter, with those of the ones above it."""
     said = [text for kind, attribute in _path(parameters, name) if (text := _attributes(kind).get(attribute))]

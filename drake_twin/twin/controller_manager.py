@@ -87,6 +87,7 @@ class ControllerManager:
     Attributes:
         loaded: Is called with a controller that has been loaded.
         configured: Is called with a controller that has been configured.
+        tell: Is called with what it does, as ros2_control's logs it.
     """
 
     def __init__(
@@ -101,6 +102,7 @@ class ControllerManager:
         self._note = note
         self.loaded: Callable[[str], None] = lambda name: None
         self.configured: Callable[[str], None] = lambda name: None
+        self.tell: Callable[[str], None] = lambda text: None
         self._states: dict[str, str] = {}
         self.restart()
 
@@ -229,6 +231,7 @@ class ControllerManager:
         if name not in self._plans:
             known = ", ".join(self._plans) or "none"
             return Response(False, f"the parameters files have no controller {name!r}; they have {known}")
+        self.tell(f"Loading controller : '{name}' of type '{self._plans[name].type}'")
         self._states[name] = UNCONFIGURED
         self.loaded(name)
         return Response(True)
@@ -244,6 +247,7 @@ class ControllerManager:
         problem = self._plans[name].problem
         if problem is not None:
             return Response(False, f"controller {name!r} cannot be configured: {problem}")
+        self.tell(f"Configuring controller: '{name}'")
         self._states[name] = INACTIVE
         self.configured(name)
         return Response(True)
@@ -256,6 +260,7 @@ class ControllerManager:
             return Response(False, self._rules.not_loaded(name))
         if self._states[name] == ACTIVE:
             return Response(False, f"controller {name!r} is active: deactivate it first")
+        self.tell(f"Unloading controller: '{name}'")
         del self._states[name]
         return Response(True)
 
@@ -297,7 +302,12 @@ class ControllerManager:
         switch = self._rules.resolve(to_start, to_stop)
         if switch.conflicts or (switch.message and strictness == STRICT):
             return Response(False, f"nothing is switched: {switch.message}")
-        self._apply(self._rules.with_chained_mode(switch))
+        switch = self._rules.with_chained_mode(switch)
+        for what, concerned in (("Activating", switch.started), ("Deactivating", switch.stopped)):
+            if concerned:
+                self.tell(f"{what} controllers: [ {' '.join(concerned)} ]")
+        self._apply(switch)
+        self.tell("Successfully switched controllers!")
         return Response(True, switch.message)
 
     def deactivate_failed(self, name: str) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """``/rosout``: lines of logs as ``rcl_interfaces/msg/Log``, those of the twin itself and those of node programs."""
 
 import logging
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -30,6 +31,24 @@ def put_line(topic: EventTopic, *, time: float, level: int, name: str, text: str
     topic.put(fields)
 
 
+def log_of(topic: EventTopic, now: Callable[[], float], node: str) -> Callable[[str], None]:
+    """Return what publishes lines of level info in a node's name.
+
+    Args:
+        topic: ``/rosout``.
+        now: Returns the simulation time (s).
+        node: The node's full name.
+    """
+    name = node.strip("/").replace("/", ".")
+
+    def tell(text: str) -> None:
+        caller = sys._getframe(1)
+        place = caller.f_code.co_filename, caller.f_code.co_name, caller.f_lineno
+        put_line(topic, time=now(), level=logging.INFO, name=name, text=text, place=place)
+
+    return tell
+
+
 class TwinLog(logging.Handler):
     """Publish the package's own log records, while anybody subscribes.
 
@@ -50,8 +69,16 @@ class TwinLog(logging.Handler):
         """Publish a record, from any thread."""
         name = str(getattr(record, "node", TWIN)).strip("/").replace("/", ".")
         level = min(max(record.levelno // 10, 1), 5) * 10
+        if self._hides_last_resort() and logging.lastResort is not None and record.levelno >= logging.lastResort.level:
+            logging.lastResort.handle(record)
         place = record.pathname, record.funcName or "", record.lineno
         put_line(self._topic, time=self._now(), level=level, name=name, text=record.getMessage(), place=place)
+
+    def _hides_last_resort(self) -> bool:
+        """Return whether Python would print the record itself if it were not for this handler."""
+        own = logging.getLogger(TWIN).handlers
+        is_first = next((item for item in own if isinstance(item, TwinLog)), None) is self
+        return is_first and not logging.getLogger().handlers and all(isinstance(item, TwinLog) for item in own)
 
     def _follow(self, is_heard: bool) -> None:
         log = logging.getLogger(TWIN)

@@ -27,7 +27,7 @@ from drake_twin.twin.goals import Goals
 from drake_twin.twin.parameter_changes import ParameterChanges
 from drake_twin.twin.physics import Physics, has_other_parameters, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
-from drake_twin.twin.rosout import TwinLog
+from drake_twin.twin.rosout import TwinLog, log_of
 from drake_twin.twin.schedule import step_at
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
@@ -343,6 +343,8 @@ class Session:
                 control = RobotControl(plan, self.commands.clear, self._note)
                 control.manager.loaded = partial(self.parameters.loaded, plan.name)
                 control.manager.configured = partial(self.parameters.configured, plan.name)
+                node = f"{plan.robot.topic_namespace}/controller_manager"
+                control.manager.tell = log_of(self.events[ROSOUT], lambda: self.clock.time, node)
             control.use(physics)
             controls[plan.name] = control
         self.goals.keep(controls.values())  # before the controllers of the others are gone

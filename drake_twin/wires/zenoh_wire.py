@@ -160,7 +160,7 @@ class _Graph:
     def add(self, kind: str, endpoint: WireEndpoint, qos: Qos) -> tuple[bytes, Callable[[], None]]:
         """Put an endpoint on the graph; return its gid, and a function that takes it off."""
         with self._lock:
-            if endpoint.node not in self._nodes:
+            if is_new := endpoint.node not in self._nodes:
                 namespace, _, name = endpoint.node.rpartition("/")
                 node = Node(self.domain, self._session_id, next(self._numbers), name, namespace or "/")
                 self._nodes[endpoint.node] = node, self._declare(node.token())
@@ -171,7 +171,8 @@ class _Graph:
             is_of_all = endpoint.of_all_nodes and kind == PUBLISHER
             if is_of_all:
                 self._of_all[endpoint.name] = endpoint, qos
-            self._follow_nodes()
+            if is_new or is_of_all:
+                self._follow_nodes()
         return gid(text), lambda: self._remove(endpoint, token, is_of_all=is_of_all)
 
     def _text(self, node: Node, kind: str, endpoint: WireEndpoint, qos: Qos) -> str:
@@ -203,7 +204,8 @@ class _Graph:
                 _, node_token = self._nodes.pop(name)
                 del self._users[name]
                 node_token.undeclare()
-            self._follow_nodes()
+            if is_of_all or name not in self._nodes:
+                self._follow_nodes()
 
 
 class _Sender:

@@ -120,3 +120,46 @@ def test_a_node_hears_the_events_of_another(tmp_path, capsys):
     with running(*files) as twin:
         twin.advance_to(0.25)
     assert "/lab/tuned gain 3.5" in capsys.readouterr().out
+
+
+HANDLER = """
+from rclpy.parameter_event_handler import ParameterEventHandler
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("watch", namespace="/lab")
+        self.handler = ParameterEventHandler(self)
+        self.first = self.handler.add_parameter_callback("gain", "tuned", lambda item: self.tell("first", item))
+        self.handler.add_parameter_callback("gain", "/lab/tuned", lambda item: self.tell("second", item))
+        self.handler.add_parameter_callback("gain", "/tuned", lambda item: self.tell("of another node", item))
+        self.handler.add_parameter_event_callback(lambda event: print("event", event.node))
+        self.create_timer(0.25, self.stop)
+
+    def tell(self, who, item):
+        print(who, item.name, item.value.double_value)
+
+    def stop(self):
+        self.handler.remove_parameter_callback(self.first)
+        try:
+            self.handler.remove_parameter_callback(self.first)
+        except RuntimeError as error:
+            print(error)
+            self.destroy_timer(next(iter(self.timers)))
+"""
+
+
+def test_a_handler_calls_back_for_parameters_the_last_one_first(tmp_path, capsys):
+    """As rclpy's parameter_event_handler.py: new and changed values, names of nodes relative to the handler's own."""
+    files = [script(tmp_path, f"{name}.py", text) for name, text in (("watch", HANDLER), ("tuned", NODE))]
+    with running(*files) as twin:
+        twin.advance_to(0.35)
+    told = [line for line in capsys.readouterr().out.splitlines() if not line.startswith("event")]
+    assert told == [
+        "second gain 2.5",
+        "first gain 2.5",
+        "second gain 3.5",
+        "first gain 3.5",
+        "Callback doesn't exist",
+        "second gain 4.5",
+    ]

@@ -27,6 +27,7 @@ def test_nodes(tool):
         "  Subscribers:",
         "",  # where there are none
         "  Publishers:",
+        "    /parameter_events: rcl_interfaces/msg/ParameterEvent",
         "    /robot_1/dynamic_joint_states: control_msgs/msg/DynamicJointState",
     ]
     assert [line for line in out.splitlines() if line.startswith("  ") and line[2] != " "] == [

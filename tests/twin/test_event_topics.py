@@ -8,7 +8,7 @@ from conftest import rovers
 
 from drake_twin.errors import InputError
 from drake_twin.twin.event_topics import PARAMETER_EVENTS, ROSOUT, EventTopics
-from drake_twin.twin.rosout import put_line
+from drake_twin.twin.rosout import TwinLog, put_line
 
 
 @pytest.fixture
@@ -133,6 +133,30 @@ def test_what_the_twin_logs_is_on_rosout_with_the_nodes_name(twin):
     assert (own.file, own.function) == (__file__, "test_what_the_twin_logs_is_on_rosout_with_the_nodes_name")
 
 
+def test_a_controller_manager_tells_what_it_does_as_ros2_control(twin):
+    """The texts are those of Jazzy's controller_manager.cpp."""
+    heard, name = [], "forward_velocity_controller"
+    twin.subscribe(ROSOUT, heard.append)
+    manager = twin.control.manager("robot_1")
+    manager.switch_controller(deactivate=[name])
+    manager.unload_controller(name)
+    manager.load_controller(name)
+    manager.configure_controller(name)
+    manager.switch_controller(activate=[name, "nobody"], strictness=2)  # all or nothing
+    manager.switch_controller(activate=[name])
+    twin.advance_to(0.1)
+    assert {(line.name, line.level) for line in heard} == {("robot_1.controller_manager", 20)}
+    assert [line.msg for line in heard] == [
+        f"Deactivating controllers: [ {name} ]",
+        "Successfully switched controllers!",
+        f"Unloading controller: '{name}'",
+        f"Loading controller : '{name}' of type 'forward_command_controller/ForwardCommandController'",
+        f"Configuring controller: '{name}'",
+        f"Activating controllers: [ {name} ]",
+        "Successfully switched controllers!",
+    ]
+
+
 def test_the_package_has_no_handler_of_a_twin_that_nobody_listens_to(twin):
     log = logging.getLogger("drake_twin")
     before = list(log.handlers)
@@ -144,6 +168,23 @@ def test_the_package_has_no_handler_of_a_twin_that_nobody_listens_to(twin):
     twin.subscribe(ROSOUT, lambda line: None)
     twin.close()
     assert log.handlers == before
+
+
+def test_a_program_without_handlers_still_prints_warnings_once(monkeypatch, capsys):
+    """As Python's handler of last resort does while there is no other one."""
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    ends = []
+    for _ in range(2):
+        topics = EventTopics(lambda: 0.0)
+        handler = TwinLog(topics[ROSOUT], lambda: 0.0)
+        assert handler.level <= logging.DEBUG
+        ends.append(topics[ROSOUT].subscribe(lambda line: None))
+    logging.getLogger("drake_twin.x").warning("seen")
+    assert capsys.readouterr().err == "seen\n"
+    for end in ends:
+        end()
+    logging.getLogger("drake_twin.x").warning("seen")
+    assert capsys.readouterr().err == "seen\n"
 
 
 def test_lines_of_other_threads_come_in_the_thread_that_advances_the_twin(twin):

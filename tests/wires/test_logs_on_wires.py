@@ -8,13 +8,15 @@ from conftest import rovers
 from nodes.node_runs import script
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
+from waiting import until
 from wires.local_wire import LocalWire
 from wires.ros_client import while_running
 
-from drake_twin.messages.interface_types import deserialize
+from drake_twin.messages.interface_types import deserialize, make, serialize, type_hash
 from drake_twin.services.graph import connect
 from drake_twin.wires.bag_wire import BagWire
 from drake_twin.wires.rmw_zenoh_format import Qos
+from drake_twin.wires.wire import WireEndpoint
 
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 LOG = "rcl_interfaces/msg/Log"
@@ -72,34 +74,50 @@ def test_a_bag_has_them_with_their_profile(twin, tmp_path):
     assert (profile.lifespan.sec, profile.lifespan.nsec) == (10, 0)
 
 
-def test_a_late_joiner_over_dds_gets_them_all(twin):
-    """The reader is CycloneDDS's own, with a history of ten."""
+@pytest.fixture
+def dds():
+    """A wire, and another participant on its domain."""
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
-    from cyclonedds.core import Policy
     from cyclonedds.domain import DomainParticipant
 
-    from drake_twin.wires.dds_endpoints import quality, reader
     from drake_twin.wires.dds_wire import DdsWire
 
     wire = DdsWire(DOMAIN)
+    yield wire, DomainParticipant(DOMAIN)
+    wire.close()
+
+
+def subscribed(participant, topic, depth):
+    from drake_twin.wires.dds_endpoints import quality, reader
+
+    return reader(participant, f"rt{topic}", LOG, quality(b"", latched=True, depth=depth))[0]
+
+
+def test_over_dds_they_come_with_the_lifespan_of_rcl(twin, dds):
+    from cyclonedds.core import Policy
+
+    wire, other = dds
+    heard = subscribed(other, "/rosout", 10)
     seam = connected(twin, wire)
+    (matched,) = until(heard.get_matched_publications)
+    assert Policy.Lifespan(10 * 10**9) in heard.get_matched_publication_data(matched).qos
     twin.advance_to(0.1)
-    try:
-        other = DomainParticipant(DOMAIN)
-        heard, _ = reader(other, "rt/rosout", LOG, quality(b"", latched=True, depth=10))
-        found = []
+    found = []
+    until(lambda: found.extend(sample.data for sample in heard.take(10)) or len(found) == 2)
+    assert lines(found) == WANTED
+    seam.close()
 
-        def both():
-            while len(found) < 2:
-                found.extend(sample.data for sample in heard.take(10))
-            return found
 
-        assert lines(while_running(twin, both)) == WANTED
-        (matched,) = heard.get_matched_publications()
-        qos = heard.get_matched_publication_data(matched).qos
-        assert Policy.Lifespan(10 * 10**9) in qos
-    finally:
-        seam.close()
+def test_a_late_joiner_over_dds_gets_as_many_as_the_topic_keeps(dds):
+    """Of a topic without a lifespan, which may end before a slow reader is there."""
+    wire, other = dds
+    topic = WireEndpoint("/log", LOG, type_hash(LOG), "/n", latched=True, depth=3)
+    sender = wire.advertise(topic, lambda is_heard: None)
+    for name in "abcd":
+        sender.send(serialize(make(LOG, {"name": name})), 0)
+    heard, found = subscribed(other, "/log", 10), []
+    until(lambda: found.extend(sample.data for sample in heard.take(10)) or len(found) == 3)
+    assert [name for name, *_ in lines(found)] == ["b", "c", "d"]
 
 
 def test_zenohs_token_tells_depth_and_lifespan():
@@ -163,4 +181,55 @@ def test_clients_of_foxglove_get_new_ones_and_only_the_first_what_was_before(twi
             lambda: [client.wait("message", count, topic="/rosout") for client, count in ((first, 3), (second, 1))],
         )
         assert (got(first), got(second)) == (["born", "soon after", "for both"], ["for both"])
+    seam.close()
+
+
+OF_ALL = {"/rosout", "/parameter_events"}
+
+
+def test_over_zenoh_each_node_has_them_as_long_as_it_is_there(twin):
+    pytest.importorskip("zenoh", reason="zenoh is not installed")
+    from wires.zenoh_peer import free_port
+
+    from drake_twin.client import Client
+    from drake_twin.wires.zenoh_wire import ZenohWire
+
+    port = free_port()
+    seam = connected(twin, ZenohWire(domain=DOMAIN, port=port))
+    try:
+        with Client(f"127.0.0.1:{port}", domain=DOMAIN) as client:
+            for is_there in (False, True, False):
+                entities = client.entities()
+                nodes = {item.node for item in entities if item.kind == "NN"}
+                assert ("/talker" in nodes) == is_there
+                for topic in OF_ALL:
+                    assert sorted(item.node for item in entities if item.name == topic) == sorted(nodes)
+                if is_there:
+                    twin.companions[0].close()
+                twin.advance_to(twin.time + 0.1)
+                twin.advance_to(twin.time + 0.1)
+    finally:
+        seam.close()
+
+
+def test_over_dds_each_node_has_them(twin, dds):
+    from drake_twin.wires.dds_endpoints import quality, reader
+    from drake_twin.wires.rmw_dds_format import GRAPH_TOPIC, GRAPH_TYPE
+
+    wire, other = dds
+    seam = connected(twin, wire)
+    graph, _ = reader(other, GRAPH_TOPIC, GRAPH_TYPE, quality(b"", latched=True, depth=1))
+    twin.advance_to(0.1)
+    twin.advance_to(0.2)
+    found = {}
+
+    def has_talker():
+        for sample in graph.take(10):
+            nodes = JAZZY.deserialize_cdr(sample.data, GRAPH_TYPE).node_entities_info_seq
+            found.update({item.node_name: {bytes(gid.data) for gid in item.writer_gid_seq} for item in nodes})
+        return "talker" in found
+
+    until(has_talker)
+    assert len(found) > 3
+    assert len(set.intersection(*found.values())) == len(OF_ALL)
     seam.close()
