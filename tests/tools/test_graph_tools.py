@@ -22,7 +22,7 @@ def test_nodes(tool):
     assert {"/drake_twin", "/robot_1/controller_manager", "/robot_2/robot_state_publisher"} <= set(names)
     assert tool(node, "list", "-c")[1] == f"{len(names)}\n"
     _, out, _ = tool(node, "info", "/robot_1/joint_state_broadcaster")
-    assert out.splitlines()[:5] == [
+    assert out.splitlines()[:6] == [
         "/robot_1/joint_state_broadcaster",
         "  Subscribers:",
         "",  # where there are none
