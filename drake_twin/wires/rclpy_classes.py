@@ -7,7 +7,16 @@ _PARTS = {"SendGoal": "SendGoalService", "GetResult": "GetResultService", "Feedb
 
 
 class UnusableTypeError(Exception):
-    """Raised for a type that this ROS 2 does not have, or has with other fields."""
+    """Raised for a type that this ROS 2 does not have, or has with other fields.
+
+    Args:
+        text: What is wrong.
+        package: The package that is not installed.
+    """
+
+    def __init__(self, text: str, package: str = ""):
+        super().__init__(text)
+        self.package = package
 
 
 def class_of(name: str) -> Any:
@@ -19,9 +28,9 @@ def class_of(name: str) -> Any:
     package, kind, own = name.split("/")
     try:
         module = importlib.import_module(f"{package}.{kind}")
-    except ModuleNotFoundError:
-        raise UnusableTypeError(f"the package {package} is not installed") from None
     except Exception as error:
+        if isinstance(error, ModuleNotFoundError) and error.name in (package, f"{package}.{kind}"):
+            raise UnusableTypeError(f"the package {package} is not installed", package) from None
         raise UnusableTypeError(f"the package {package} cannot be imported ({type(error).__name__}: {error})") from None
     if hasattr(module, own):
         return getattr(module, own)
@@ -42,8 +51,18 @@ def check_fields(types: dict[str, list[list[str]]]) -> None:
         UnusableTypeError: If one has others.
     """
     for name, fields in types.items():
-        here = {key: kind.replace(" ", "") for key, kind in class_of(name).get_fields_and_field_types().items()}
-        if list(here.items()) != [tuple(field) for field in fields]:
-            ours = dict(fields)
-            differ = [key for key in (*ours, *here) if ours.get(key) != here.get(key)] or list(here)
-            raise UnusableTypeError(f"{name} is another one, in which {differ[0]} differs")
+        theirs = {key: kind.replace(" ", "") for key, kind in class_of(name).get_fields_and_field_types().items()}
+        ours = {key: kind for key, kind in fields}
+        if list(theirs.items()) != list(ours.items()):
+            raise UnusableTypeError(f"the {name} of this ROS 2 is another one: {_difference(ours, theirs)}")
+
+
+def _difference(ours: dict[str, str], theirs: dict[str, str]) -> str:
+    for key in {**ours, **theirs}:
+        if key not in theirs:
+            return f"it has no field {key}"
+        if key not in ours:
+            return f"it has a field {key}, too"
+        if ours[key] != theirs[key]:
+            return f"its field {key} is of type {theirs[key]}, not {ours[key]}"
+    return "its fields have another order"

@@ -14,7 +14,7 @@ from drake_twin.wires.rclpy_waiter import Waiter
 
 _PERIOD = 0.02  # s between two looks at who listens
 _LONG_PERIOD = 1.0  # s between two looks at the types of others, and in which participants find one another
-_SETTLED = 0.3  # s without a new endpoint, after which problems are told together
+_SETTLED = 1.0  # s without a new endpoint, after which problems are told together
 
 
 class RclpyGraph:
@@ -43,8 +43,8 @@ class RclpyGraph:
         self._used: dict[str, int] = {}  # a node's name → how many endpoints it has
         self._ends: dict[int, Endpoint] = {}
         self._heard: dict[str, list[Subscription]] = {}
-        self._problems: dict[str, list[str]] = {}
-        self._told: dict[str, list[str]] = {}
+        self._problems: dict[tuple[str, str], list[str]] = {}  # text and package that is missing → topics and services
+        self._told: set[tuple[str, str]] = set()
         self._opened = time.monotonic()
         self._discovered = self._opened + _LONG_PERIOD
         self._is_over = threading.Event()
@@ -93,7 +93,7 @@ class RclpyGraph:
                 self._do(kind, endpoint, number, content)
             except Exception as error:
                 end = self._ends.get(endpoint)
-                self._note(_text(error), "a record" if end is None else end.name)
+                self._note(error, "a record" if end is None else end.name)
         self._is_over.set()
 
     def _do(self, kind: bytes, endpoint: int, number: int, content: bytes) -> None:
@@ -115,7 +115,7 @@ class RclpyGraph:
                 if end.what in self._waiters:
                     self._waiters[end.what].add(end)
             except Exception as error:
-                self._note(_text(error), told["name"])
+                self._note(error, told["name"])
             self._opened = time.monotonic()
 
     def _close(self, number: int) -> None:
@@ -160,11 +160,6 @@ class RclpyGraph:
             node.destroy_node()
         self._rclpy.shutdown(context=self._context)
 
-    def _tell_problems(self) -> None:
-        if self._problems:
-            self.pipe.tell(PROBLEMS, list(self._problems.items()))
-            self._problems = {}
-
     def _topics_beside(self, name: str) -> list[str]:
         """Return the topics that another program's node publishes; asked before there is one of this name here."""
         namespace, _, own = name.rpartition("/")
@@ -184,19 +179,22 @@ class RclpyGraph:
             own = end.told["type"]
             for kind in (topics if end.what in ("publisher", "subscription") else services).get(end.name, ()):
                 if kind != own:
-                    self._note(f"another program has it as {kind}, but its type is {own}", end.name)
+                    text = f"another program has it as {kind}, but its type is {own}"
+                    self._note(UnusableTypeError(text), end.name)
 
     def _failed(self, end: Endpoint, error: Exception) -> None:
-        self._note(_text(error), end.name)
+        self._note(error, end.name)
 
-    def _note(self, problem: str, name: str) -> None:
-        """Tell the twin of a problem, once, together with others."""
+    def _note(self, error: Exception, name: str) -> None:
+        """Take note of a problem of a topic or service, once, to tell it together with others."""
+        is_known = isinstance(error, UnusableTypeError)
+        text = " ".join((str(error) if is_known else f"{type(error).__name__}: {error}").split())
         with self.lock:
-            if name not in self._told.setdefault(problem, []):
-                self._told[problem].append(name)
-                self._problems.setdefault(problem, []).append(name)
+            if (name, text) not in self._told:
+                self._told.add((name, text))
+                self._problems.setdefault((text, getattr(error, "package", "")), []).append(name)
 
-
-def _text(error: Exception) -> str:
-    text = str(error) if isinstance(error, UnusableTypeError) else f"{type(error).__name__}: {error}"
-    return " ".join(text.split())
+    def _tell_problems(self) -> None:
+        if self._problems:
+            self.pipe.tell(PROBLEMS, [[*problem, names] for problem, names in self._problems.items()])
+            self._problems = {}

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from drake_twin.errors import InputError
-from drake_twin.wires.rclpy_records import FAILED, STARTED, Pipe, records
+from drake_twin.wires.rclpy_records import STARTED, Pipe, records
 
 # Its modules of drake_twin are found without the rest of it, for which that Python may lack the requirements.
 _START = """\

@@ -110,12 +110,29 @@ class RclpyWire:
     def _take(self, kind: bytes, end: int, number: int, content: bytes) -> None:
         """Hand on what has come, in the process's thread."""
         if kind == PROBLEMS:
-            for problem, names in json.loads(content):
-                _log.warning("%s: %s", first_of(names, _NAMED), problem)
+            self._log_problems(json.loads(content))
         elif kind == BESIDE:
             self._beside.put(json.loads(content))
         elif (found := self._ends.get(end)) is not None:
             found.take(kind, number, content)
+
+    def _log_problems(self, problems: list[tuple[str, str, list[str]]]) -> None:
+        """Log what is wrong with which topics and services; all packages that are missing in one line."""
+        missing = {package: names for _, package, names in problems if package}
+        for text, package, names in problems:
+            if not package:
+                _log.warning("%s: %s", first_of(names, _NAMED), text)
+        if missing:
+            listed = "; ".join(f"of {package} {first_of(names, _NAMED)}" for package, names in missing.items())
+            name = self._process.started["distribution"] or "DISTRO"
+            packages = " ".join(f"ros-{name}-{package.replace('_', '-')}" for package in missing)
+            what = "or build them in the workspace that is sourced"
+            _log.warning(
+                "not on the graph, for this ROS 2 lacks packages: %s (`sudo apt install %s`, %s)",
+                listed,
+                packages,
+                what,
+            )
 
     def _note_end(self, words: str) -> None:
         """Take note that the process has ended, in its thread."""
