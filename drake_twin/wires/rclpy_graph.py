@@ -164,12 +164,14 @@ class RclpyGraph:
         """Return the topics that another program's node publishes; asked before there is one of this name here."""
         namespace, _, own = name.rpartition("/")
         place = own, namespace or "/"
-        found: list[Any] = []
-        while not found and time.monotonic() < self._discovered:
-            if place in self._look_out.get_node_names_and_namespaces():
-                found = self._look_out.get_publisher_names_and_types_by_node(*place)
+        while True:
+            is_last = time.monotonic() > self._discovered
+            is_there = place in self._look_out.get_node_names_and_namespaces()
+            if is_there and (found := self._look_out.get_publisher_names_and_types_by_node(*place)):
+                return sorted(topic for topic, _ in found)
+            if is_last:
+                return []
             time.sleep(_PERIOD)
-        return sorted(topic for topic, _ in found)
 
     def _compare_types(self) -> None:
         """Note which topics and services of others have the names of the twin's, but other types."""

@@ -8,10 +8,10 @@ import sys
 import time
 
 import rclpy
+from rcl_interfaces.srv import ListParameters
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
-from rcl_interfaces.srv import ListParameters
 from std_msgs.msg import String
 
 HELLO = bytes.fromhex("000100000600000068656c6c6f00")

@@ -9,7 +9,10 @@ from pathlib import Path
 
 from waiting import until
 
+import drake_twin
+
 DOUBLE = Path(__file__).parent / "rclpy_double"
+SOURCED = os.pathsep.join((str(DOUBLE), str(Path(drake_twin.__file__).parents[1])))  # Python's path with it
 
 
 class Network:
@@ -29,7 +32,7 @@ class Network:
 
     def variables(self):
         """Return the environment of a machine on which the double is sourced."""
-        return {"PYTHONPATH": str(DOUBLE), "ROS_DISTRO": "jazzy", "RCLPY_DOUBLE": self.address, "AMENT_PREFIX_PATH": ""}
+        return {"PYTHONPATH": SOURCED, "ROS_DISTRO": "jazzy", "RCLPY_DOUBLE": self.address, "AMENT_PREFIX_PATH": ""}
 
     def of(self, what, name):
         """Return what was told of an end, or of its messages."""

@@ -6,7 +6,7 @@ Its graph is this process's, and another one's at ``RCLPY_DOUBLE``, the address 
 import os
 import sys
 
-import rclpy.types
+import rclpy.types  # noqa: F401  # the message packages
 from rclpy.graph import GRAPH, Context, Node, RCLError, UnknownROSArgsError
 
 __all__ = ["Context", "Node", "Parameter", "create_node", "get_rmw_implementation_identifier", "init", "shutdown"]
@@ -28,7 +28,7 @@ def init(*, args=None, context=None, domain_id=None):
     """Parse the arguments as rcl does, as far as the twin's tests have them."""
     words = iter(args[args.index("--ros-args") + 1 :] if "--ros-args" in args else [])
     for word in words:
-        if word not in ("-r", "--remap", "-e", "--enclave", "--log-level"):
+        if word not in ("-r", "--remap", "-p", "-e", "--enclave", "--log-level"):
             raise UnknownROSArgsError([word])
         value = next(words)
         if word in ("-r", "--remap"):

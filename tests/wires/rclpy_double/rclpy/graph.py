@@ -21,15 +21,15 @@ class NodeNameNonExistentError(RuntimeError):
     """As rclpy raises it."""
 
 
-class InvalidNodeNameException(ValueError):
+class InvalidNodeNameException(ValueError):  # noqa: N818  # rclpy's name
     """As rclpy raises it."""
 
 
-class InvalidTopicNameException(ValueError):
+class InvalidTopicNameException(ValueError):  # noqa: N818  # rclpy's name
     """As rclpy raises it."""
 
 
-class InvalidHandle(RuntimeError):
+class InvalidHandle(RuntimeError):  # noqa: N818  # rclpy's name
     """As rclpy raises it."""
 
 
