@@ -52,7 +52,7 @@ def check_fields(types: dict[str, list[list[str]]]) -> None:
     """
     for name, fields in types.items():
         theirs = {key: kind.replace(" ", "") for key, kind in class_of(name).get_fields_and_field_types().items()}
-        ours: dict[str, str] = dict(map(tuple, fields))
+        ours = dict((key, kind) for key, kind in fields)
         if list(theirs.items()) != list(ours.items()):
             raise UnusableTypeError(f"the {name} of this ROS 2 is another one: {_difference(ours, theirs)}")
 
