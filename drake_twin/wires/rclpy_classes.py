@@ -41,7 +41,7 @@ def class_of(name: str) -> Any:
     return getattr(found.Impl, _PARTS[part]) if part in _PARTS else getattr(found, part)
 
 
-def check_fields(types: dict[str, list[list[str]]]) -> None:
+def check_fields(types: dict[str, list[tuple[str, str]]]) -> None:
     """Check that messages have the same fields here as for the twin.
 
     Args:
@@ -52,7 +52,7 @@ def check_fields(types: dict[str, list[list[str]]]) -> None:
     """
     for name, fields in types.items():
         theirs = {key: kind.replace(" ", "") for key, kind in class_of(name).get_fields_and_field_types().items()}
-        ours = dict((key, kind) for key, kind in fields)
+        ours = dict(fields)
         if list(theirs.items()) != list(ours.items()):
             raise UnusableTypeError(f"the {name} of this ROS 2 is another one: {_difference(ours, theirs)}")
 

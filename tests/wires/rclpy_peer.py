@@ -1,5 +1,6 @@
 """Another program of the machine's own ROS 2 on the graph of a twin: prints what it has found, as JSON."""
 
+import itertools
 import json
 import sys
 import time
@@ -36,7 +37,7 @@ node.create_subscription(JointState, "/robot_1/joint_states", hear, QoSProfile(d
 late = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 node.create_subscription(String, "/robot_1/robot_description", lambda message: descriptions.append(message.data), late)
 spin(lambda: len(stamps) >= STATES and descriptions)
-found["periods"] = sorted({after - before for before, after in zip(stamps, stamps[1:], strict=False)})
+found["periods"] = sorted({after - before for before, after in itertools.pairwise(stamps)})
 found["descriptions"] = descriptions
 client = node.create_client(ListParameters, "/robot_1/robot_state_publisher/list_parameters")
 spin(client.service_is_ready)
