@@ -15,6 +15,7 @@ _HEAD = struct.Struct("<cIqI")
 OPEN, CLOSE, BESIDE, MESSAGE, RESPONSE, REQUEST = b"O", b"C", b"B", b"M", b"R", b"Q"
 # From it, besides: it has started or could not, somebody listens or a service is there, problems.
 STARTED, FAILED, HEARD, PROBLEMS = b"S", b"F", b"H", b"P"
+_MOST_PENDING = 1 << 16  # bytes
 
 
 class Pipe:
@@ -25,14 +26,25 @@ class Pipe:
     """
 
     def __init__(self, file: BinaryIO):
-        self._file, self._lock = file, threading.Lock()
+        self._file, self._lock, self._pending = file, threading.Lock(), bytearray()
 
     def write(self, kind: bytes, endpoint: int = 0, number: int = 0, content: bytes = b"") -> None:
-        """Write a record."""
-        data = memoryview(_HEAD.pack(kind, endpoint, number, len(content)) + content)
-        with self._lock, contextlib.suppress(OSError, ValueError):
-            while data:
-                data = data[self._file.write(data) :]
+        """Write a record, and those that wait."""
+        with self._lock:
+            self._add(kind, endpoint, number, content)
+            self._write()
+
+    def write_later(self, kind: bytes, endpoint: int, number: int, content: bytes) -> None:
+        """Write a record with the next one, or at the next `flush`: whoever reads wakes up once for many."""
+        with self._lock:
+            self._add(kind, endpoint, number, content)
+            if len(self._pending) > _MOST_PENDING:
+                self._write()
+
+    def flush(self) -> None:
+        """Write the records that wait."""
+        with self._lock:
+            self._write()
 
     def tell(self, kind: bytes, content: Any) -> None:
         """Write a record of JSON."""
@@ -41,7 +53,18 @@ class Pipe:
     def close(self) -> None:
         """End the pipe."""
         with self._lock, contextlib.suppress(OSError):
+            self._write()
             self._file.close()
+
+    def _add(self, kind: bytes, endpoint: int, number: int, content: bytes) -> None:
+        self._pending += _HEAD.pack(kind, endpoint, number, len(content))
+        self._pending += content
+
+    def _write(self) -> None:
+        data, self._pending = memoryview(self._pending), bytearray()
+        with contextlib.suppress(OSError, ValueError):
+            while data:
+                data = data[self._file.write(data) :]
 
 
 def records(source: BinaryIO) -> Iterator[tuple[bytes, int, int, bytes]]:

@@ -29,7 +29,8 @@ class RclpyWire:
     Attributes:
         domain: The ROS domain.
         place: What runs the nodes, in words.
-        write: Writes a record to the process.
+        pipe: Where the process is told.
+        write: Writes a record there.
 
     Raises:
         InputError: If no ROS 2 is sourced, or it does not start.
@@ -41,7 +42,7 @@ class RclpyWire:
         self._beside: SimpleQueue[list[str]] = SimpleQueue()
         self.domain = domain_of_environment() if domain is None else domain
         self._process = RosProcess(arguments, self.domain, self._take, self._note_end)
-        self.write = self._process.pipe.write
+        self.write, self.pipe = self._process.pipe.write, self._process.pipe
         started = self._process.started
         distribution = f"ROS 2 {started['distribution']}".strip()
         self.place = f"{distribution} of this machine (rclpy, {started['middleware']}), with {self._process.python}"
@@ -171,16 +172,18 @@ class _Sender(_End):
 
     Attributes:
         is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
+        flush: Sends what waits, of all topics.
     """
 
     def __init__(self, wire: RclpyWire, topic: WireEndpoint, listened: Callable[[bool], None]):
         super().__init__(wire, topic)
+        self.flush = wire.pipe.flush
         self.is_heard = topic.latched
         self._listened = listened
 
     def send(self, data: bytes, at: int) -> None:
-        """Send a message."""
-        self._wire.write(MESSAGE, self.number, 0, data)
+        """Send a message with the next ones."""
+        self._wire.pipe.write_later(MESSAGE, self.number, 0, data)
 
     def take(self, kind: bytes, number: int, content: bytes) -> None:
         if self.is_heard != bool(number):

@@ -71,6 +71,7 @@ def test_what_the_twin_publishes_does_not_come_back_to_it():
         for index, sender in enumerate(senders):
             for length in range(8):
                 sender.send(serialize(make(kind, {"data": str(index) * length})), 0)
+            sender.flush()
         until(lambda: all(len(messages) == 8 for messages in heard))
     finally:
         for wire in wires:

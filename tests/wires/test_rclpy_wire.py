@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,10 +18,13 @@ from wires.ros_client import while_running
 
 from drake_twin import Robot
 from drake_twin.messages import float64_multi_array
+from drake_twin.messages.draft import LaterDraft
 from drake_twin.messages.field_types import field_types
 from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.services.graph import connect
+from drake_twin.twin.endpoints import PUBLISHED, Endpoint
 from drake_twin.wires import rclpy_wire
+from drake_twin.wires.outbox import OfferedTopic, Outbox
 from drake_twin.wires.rclpy_wire import RclpyWire
 from drake_twin.wires.wire import WireEndpoint
 
@@ -174,6 +178,7 @@ def test_what_the_twin_publishes_does_not_come_back_to_it(wire, network):
     sender = wire.advertise(topic("/t"), listened.append)
     wire.listen(topic("/t"), heard.append)
     sender.send(text("own"), 0)
+    sender.flush()
     network.wait("message", "/t")
     network.do("publish", "/t", data=text("other"))
     until(lambda: heard)
@@ -281,3 +286,35 @@ def test_a_close_lets_all_messages_out_and_ends_the_nodes(network, caplog):
     assert network.wait("no publisher", "/t")
     assert wire._process._process.returncode == 0
     assert not [line for line in caplog.records if line.levelno >= logging.WARNING]
+
+
+class Counting:
+    """A file that counts what is written to it."""
+
+    def __init__(self, file):
+        self.file, self.count = file, 0
+
+    def write(self, data):
+        self.count += 1
+        return self.file.write(data)
+
+    def close(self):
+        self.file.close()
+
+
+def test_messages_of_one_moment_are_written_at_once(wire, network):
+    """A process that wakes up for each message would cost as much as the messages."""
+    sender = wire.advertise(topic("/t", latched=True), lambda is_heard: None)
+    offered, go = OfferedTopic(Endpoint(PUBLISHED, "/t", STRING, "/one"), [sender]), threading.Event()
+    wire.pipe._file = counting = Counting(wire.pipe._file)
+    outbox = Outbox(print)
+    outbox.put(offered, LaterDraft(lambda: go.wait() and make(STRING, {"data": "first"})), 0.0)
+    for _ in range(100):
+        outbox.put(offered, LaterDraft(lambda: make(STRING, {"data": "next"})), 0.0)
+    go.set()
+    outbox.flush()
+    assert counting.count == 1
+    assert len(network.wait("message", "/t", 101)) == 101
+    outbox.put(offered, LaterDraft(lambda: make(STRING, {"data": "last"})), 0.0)
+    network.wait("message", "/t", 102)  # though nobody waits for it
+    outbox.close()
