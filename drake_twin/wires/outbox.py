@@ -88,7 +88,7 @@ class Outbox:
                 self._has_room.set()
 
     def _next(self, flushes: set[Callable[[], None]]) -> tuple[OfferedTopic, Draft, float, bool] | Event | None:
-        """Return the next message; if there is none yet, let what waits be sent before."""
+        """Return the next message; while the queue is empty, pending ones are sent."""
         if self._queue.empty():
             _flush(flushes)
         return self._queue.get()

@@ -46,7 +46,7 @@ class Endpoint:
         kind: Its class.
         what: What it is: ``publisher``, ``subscription``, ``service`` or ``client``.
         of: The object of rclpy.
-        is_heard: Whether somebody listens, or the service is there.
+        is_heard: Whether anybody listens, or the service is there.
 
     Raises:
         UnusableTypeError: If its type cannot be used.
@@ -65,14 +65,14 @@ class Endpoint:
         raise NotImplementedError
 
     def look(self) -> None:
-        """Tell whether somebody listens, if that has changed."""
+        """Tell whether anybody listens, if that has changed."""
         is_heard = self.is_wanted()
         if is_heard != self.is_heard:
             self.is_heard = is_heard
             self.graph.pipe.write(HEARD, self.number, int(is_heard))
 
     def is_wanted(self) -> bool:
-        """Return whether somebody listens, or the service is there."""
+        """Return whether anybody listens, or the service is there."""
         return False
 
     def take(self) -> None:
@@ -92,7 +92,7 @@ class Publisher(Endpoint):
         return publisher
 
     def is_wanted(self) -> bool:
-        """Return whether somebody listens beside the twin."""
+        """Return whether anybody listens beside the twin."""
         own = len([*self.graph.own_subscriptions(self.name)])
         return bool(self.told["latched"]) or self.of.get_subscription_count() > own
 

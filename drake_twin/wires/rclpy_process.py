@@ -99,7 +99,7 @@ class RosProcess:
         python: Its Python.
 
     Raises:
-        InputError: If there is no rclpy, no Python can import it, or it does not take the arguments.
+        InputError: If no rclpy is found, no Python can import it, or it does not take the arguments.
     """
 
     def __init__(
@@ -179,7 +179,7 @@ class RosProcess:
 
 
 def no_rclpy() -> str:
-    """Return why there is no rclpy, and what helps."""
+    """Return why rclpy is missing, and what helps."""
     if name := sourced():
         return f"ROS 2 {name} is sourced, but it has no rclpy: `sudo apt install ros-{name}-rclpy`"
     return f"no ROS 2 is sourced: {_SOURCE}; --ros zenoh and --ros dds need none"

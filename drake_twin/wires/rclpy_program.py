@@ -20,7 +20,7 @@ def main() -> int:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # sent to the whole group; the pipe's end ends it
         signal.signal(number, signal.SIG_IGN)
     pipe = Pipe(os.fdopen(os.dup(1), "wb", buffering=0))
-    os.dup2(2, 1)  # what libraries print is no record
+    os.dup2(2, 1)  # libraries must not print between records
     options = json.loads(sys.argv[-1])
     try:
         graph = RclpyGraph(pipe, options["arguments"], options["domain"])

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 _HEAD = struct.Struct("<cIqI")
 # To the process: an endpoint comes or goes, another program's topics are asked for; a message, a response, a request.
 OPEN, CLOSE, BESIDE, MESSAGE, RESPONSE, REQUEST = b"O", b"C", b"B", b"M", b"R", b"Q"
-# From it, besides: it has started or could not, somebody listens or a service is there, problems.
+# From it, besides: it has started or could not, anybody listens or a service is there, problems.
 STARTED, FAILED, HEARD, PROBLEMS = b"S", b"F", b"H", b"P"
 _MOST_PENDING = 1 << 16  # bytes
 
@@ -35,7 +35,7 @@ class Pipe:
             self._write()
 
     def write_later(self, kind: bytes, endpoint: int, number: int, content: bytes) -> None:
-        """Write a record with the next one, or at the next `flush`: whoever reads wakes up once for many."""
+        """Write a record with the next one, or at the next `flush`, so that the reader wakes up once for many."""
         with self._lock:
             self._add(kind, endpoint, number, content)
             if len(self._pending) > _MOST_PENDING:

@@ -172,7 +172,7 @@ class _Sender(_End):
 
     Attributes:
         is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
-        flush: Sends what waits, of all topics.
+        flush: Sends the pending messages of all topics.
     """
 
     def __init__(self, wire: RclpyWire, topic: WireEndpoint, listened: Callable[[bool], None]):

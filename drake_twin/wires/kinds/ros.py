@@ -187,7 +187,7 @@ def _open_any(options: argparse.Namespace) -> "Wire":
 
 
 def _is_there(name: str, options: argparse.Namespace) -> tuple[bool, str]:
-    """Return whether there is what a transport needs, and what it is or that there is none."""
+    """Return whether a transport has what it needs, and the reason in words."""
     if name == "rclpy":
         from drake_twin.wires.rclpy_process import find_rclpy, sourced
 
