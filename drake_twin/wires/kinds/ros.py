@@ -79,7 +79,8 @@ class RosKind(WireKind):
         for name in _given(options):
             option = f"--{name.replace('_', '-')}"
             if options.ros is None:
-                raise InputError(f"{option} is about the ROS 2 graph: it needs --ros {_FOR[name][0]}")
+                needed = "" if _FOR[name] == _TRANSPORTS else f" {_FOR[name][0]}"
+                raise InputError(f"{option} is about the ROS 2 graph: it needs --ros{needed}")
             if options.ros not in (*_FOR[name], _ANY):
                 raise InputError(f"{option} is not for --ros {options.ros}: it needs --ros {' or '.join(_FOR[name])}")
         if options.ros_port is not None and not 1024 <= options.ros_port <= 65535:
