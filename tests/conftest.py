@@ -11,6 +11,7 @@ import pytest
 from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tests in physics
 
 from drake_twin.builder.twin_builder import TwinBuilder
+from drake_twin.wires.rclpy_process import find_rclpy
 
 # Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -51,11 +52,18 @@ THOROUGH = frozenset(
 )
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the tests of the fast and of the thorough lane; the last case of several is an everyday test."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Marks the tests of the fast and of the thorough lane; the last case of several is an everyday test.
+
+    Tests of the machine's own ROS 2 are deselected where none is sourced.
+    """
+    of_ros = [item for item in items if item.get_closest_marker("ros") is not None]
+    if of_ros and find_rclpy() is None:
+        config.hook.pytest_deselected(items=of_ros)
+        items[:] = [item for item in items if item not in of_ros]
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("slow") is not None:
+        if item.get_closest_marker("slow") is not None or item.get_closest_marker("ros") is not None:
             continue
         name = f"{item.path.relative_to(TESTS).as_posix()}::{item.nodeid.partition('::')[2].partition('[')[0]}"
         if name in THOROUGH:

@@ -2,12 +2,15 @@
 
 import argparse
 import os
+import sys
 from pathlib import Path
+from typing import Any
 
 from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_keep_going, add_repeated, add_strict, add_version
+from drake_twin.ros2.ros_arguments import without_ros_arguments
 from drake_twin.scenario import LONGEST_TIME
 from drake_twin.wires.registry import wire_kinds
 
@@ -32,9 +35,20 @@ examples:
   python -m drake_twin.run --robots 2 --viewer tcp://127.0.0.1:6000"""
 
 
+class _Parser(ArgumentParser):
+    """Leaves ``--ros-args`` … ``--`` to ROS, as its own programs do."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse a command line."""
+        own, of_ros = without_ros_arguments(sys.argv[1:] if args is None else args)
+        options = super().parse_args(own, namespace)
+        options.ros_args = of_ros
+        return options
+
+
 def parser() -> ArgumentParser:
     """Return the parser of the command line."""
-    parser = ArgumentParser(
+    parser = _Parser(
         prog="python -m drake_twin.run",
         description=_DESCRIPTION,
         epilog=_EXAMPLES,

@@ -80,6 +80,19 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     return RosArguments(tuple(own), name, namespace, *items, publishes_log)
 
 
+def without_ros_arguments(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return a command line without ``--ros-args`` … ``--``, and those with ``--ros-args`` before them."""
+    own: list[str] = []
+    of_ros: list[str] = []
+    ros = False
+    for word in words:
+        if word == "--ros-args" or (ros and word == "--"):
+            ros = word == "--ros-args"
+        else:
+            (of_ros if ros else own).append(word)
+    return own, ["--ros-args", *of_ros] if of_ros else []
+
+
 def ros_arguments(
     name: str,
     namespace: str,

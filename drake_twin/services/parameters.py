@@ -1,8 +1,8 @@
 """The parameter services of the nodes on the graph, as in ``rcl_interfaces``.
 
-The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers, and those of
-the twin's own services and topics. Only the controllers' parameters can be set; the others are those that the robot's
-files give.
+The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers, and those
+of the twin's own services and topics. Only the controllers' parameters can be set; the others are those that the
+robot's files give.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping

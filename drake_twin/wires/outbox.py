@@ -67,8 +67,10 @@ class Outbox:
         self._thread.join()
 
     def _send(self) -> None:
-        while (item := self._queue.get()) is not None:
+        flushes: set[Callable[[], None]] = set()  # of wires that send many messages at once
+        while (item := self._next(flushes)) is not None:
             if isinstance(item, Event):
+                _flush(flushes)
                 item.set()
                 continue
             topic, draft, time, is_repeated = item
@@ -78,7 +80,21 @@ class Outbox:
                 for sender in topic.senders:
                     if sender.is_heard and not (is_repeated and getattr(sender, "keeps", False)):
                         sender.send(data, round(time * 1e9))
+                        if (flush := getattr(sender, "flush", None)) is not None:
+                            flushes.add(flush)
             except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
                 self._log(topic.endpoint.name, f"a message is not sent: {error}")
             finally:
                 self._has_room.set()
+
+    def _next(self, flushes: set[Callable[[], None]]) -> tuple[OfferedTopic, Draft, float, bool] | Event | None:
+        """Return the next message; while the queue is empty, pending ones are sent."""
+        if self._queue.empty():
+            _flush(flushes)
+        return self._queue.get()
+
+
+def _flush(flushes: set[Callable[[], None]]) -> None:
+    for flush in flushes:
+        flush()
+    flushes.clear()

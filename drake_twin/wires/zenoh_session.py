@@ -10,6 +10,7 @@ from drake_twin.requirements import missing
 
 ROUTER_PORT = 7447  # rmw_zenoh's nodes connect to it on their own machine (DEFAULT_RMW_ZENOH_SESSION_CONFIG.json5)
 _PATIENCE = 3000  # ms for a router to answer
+_ANSWER = 0.5  # s for a program on this machine to take a connection
 # µs for a peer that reads to make room; 1 ms, Zenoh's default, is too short for one that shares a busy processor. Of a
 # peer that has stopped to read, only the first message waits so long.
 _WAIT = 5000
@@ -56,6 +57,15 @@ def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str |
         return OpenSession(zenoh.open(_config(zenoh, "router", address)), address)
     except zenoh.ZError:  # something listens there
         return _connect(zenoh, f"127.0.0.1:{port}")
+
+
+def router_answers(port: int) -> bool:
+    """Return whether a program has a port on this machine that a router would have."""
+    try:
+        socket.create_connection(("127.0.0.1", port), _ANSWER).close()
+    except OSError:
+        return False
+    return True
 
 
 def _connect(zenoh: Any, router: str) -> OpenSession:

@@ -135,8 +135,8 @@ def test_a_robot_state_publisher_of_the_users_own_is_no_twin():
         (["--ros", "dds", "--ros-domain", "233"], "--ros-domain 233: a ROS domain is from 0 to 232"),
         (["--ros", "dds", "--ros-namespace", "a b"], "--ros-namespace a b: it is not a namespace"),
         (["--ros", "dds", "--ros-namespace", "/"], "--ros-namespace /: it is not a namespace"),
-        (["--ros-domain", "0"], "--ros-domain is about the ROS 2 graph: it needs --ros zenoh"),
-        (["--ros-namespace", "a"], "--ros-namespace is about the ROS 2 graph: it needs --ros zenoh"),
+        (["--ros-domain", "0"], "--ros-domain is about the ROS 2 graph: it needs --ros."),
+        (["--ros-namespace", "a"], "--ros-namespace is about the ROS 2 graph: it needs --ros."),
     ],
 )
 def test_options_that_cannot_be_used_are_refused(options, problem, capsys):

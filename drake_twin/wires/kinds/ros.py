@@ -1,7 +1,8 @@
-"""The ROS 2 graph, over Zenoh or DDS."""
+"""The ROS 2 graph: the machine's own rclpy, Zenoh or DDS."""
 
 import argparse
 import sys
+from collections.abc import Callable
 from typing import TYPE_CHECKING, cast
 
 from drake_twin.errors import InputError
@@ -12,10 +13,20 @@ if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
     from drake_twin.wires.wire import Wire
 
-_TRANSPORTS = ("zenoh", "dds")
-_OF_ZENOH = ("ros_port", "ros_router", "lockstep")
-_OF_ANY = ("ros_host", "ros_domain", "ros_namespace")
+_TRANSPORTS = ("rclpy", "zenoh", "dds")
+_ANY = "any"  # of them, which the twin chooses
+# Option → the transports that it is for.
+_FOR = {
+    "ros_host": ("zenoh", "dds"),
+    "ros_domain": _TRANSPORTS,
+    "ros_namespace": _TRANSPORTS,
+    "ros_port": ("zenoh",),
+    "ros_router": ("zenoh",),
+    "ros_args": ("rclpy",),
+    "lockstep": ("zenoh", "rclpy"),
+}
 _PORT = 7447
+_LOCAL = "127.0.0.1"
 
 
 @wire_kind
@@ -28,15 +39,19 @@ class RosKind(WireKind):
         """Add its options."""
         group.add_argument(
             "--ros",
-            choices=_TRANSPORTS,
+            nargs="?",
+            const=_ANY,
+            choices=(*_TRANSPORTS, _ANY),
             metavar="NAME",
-            help="put the twin on the ROS 2 graph, over zenoh or dds (services and actions: rmw_cyclonedds_cpp only)",
+            help="put the twin on the ROS 2 graph: through the rclpy of the ROS 2 that is sourced, or over zenoh or dds"
+            " without one (services and actions of dds: rmw_cyclonedds_cpp only); without NAME, the first of them that"
+            " is there",
         )
         group.add_argument(
             "--ros-host",
             metavar="ADDRESS",
             help="the address to be a Zenoh router on, where none runs on this machine, or of DDS's network interface"
-            " (default: 127.0.0.1)",
+            f" (default: {_LOCAL})",
         )
         group.add_argument("--ros-port", type=int, metavar="PORT", help=f"the router's port (default: {_PORT})")
         group.add_argument("--ros-router", metavar="HOST", help="connect to the Zenoh router on HOST or HOST:PORT")
@@ -47,6 +62,13 @@ class RosKind(WireKind):
             help="put a namespace before all topics, services and nodes, so that two twins can be on one domain",
         )
         group.add_argument(
+            "--ros-args",
+            nargs="*",
+            default=[],
+            metavar="ARGUMENT",
+            help="arguments of ROS, up to -- or the end, for --ros rclpy: -r OLD:=NEW, --enclave PATH",
+        )
+        group.add_argument(
             "--lockstep",
             action="store_true",
             help="advance only when the services StepSimulation or SimulateSteps say so",
@@ -54,12 +76,13 @@ class RosKind(WireKind):
 
     def check(self, options: argparse.Namespace) -> None:
         """Check its options."""
-        unused = {None: (*_OF_ANY, *_OF_ZENOH), "dds": _OF_ZENOH}.get(options.ros, ())
-        for name in unused:
-            value = getattr(options, name)
-            if value not in (None, "") and value is not False:
-                graph = "the ROS 2 graph" if options.ros is None else "the ROS 2 graph over Zenoh"
-                raise InputError(f"--{name.replace('_', '-')} is about {graph}: it needs --ros zenoh")
+        for name in _given(options):
+            option = f"--{name.replace('_', '-')}"
+            if options.ros is None:
+                needed = "" if _FOR[name] == _TRANSPORTS else f" {_FOR[name][0]}"
+                raise InputError(f"{option} is about the ROS 2 graph: it needs --ros{needed}")
+            if options.ros not in (*_FOR[name], _ANY):
+                raise InputError(f"{option} is not for --ros {options.ros}: it needs --ros {' or '.join(_FOR[name])}")
         if options.ros_port is not None and not 1024 <= options.ros_port <= 65535:
             raise InputError(f"--ros-port {options.ros_port}: the router's port must be from 1024 to 65535")
         if options.ros_router is not None and options.ros_host is not None:
@@ -74,6 +97,8 @@ class RosKind(WireKind):
             if options.ros_namespace is not None and not is_name(_namespace(options)):
                 what = "it is not a namespace: use letters, digits and '_', with '/' between names"
                 raise InputError(f"--ros-namespace {options.ros_namespace}: {what}")
+            if options.ros_args:
+                _check_arguments(options.ros_args)
 
     def is_wanted(self, options: argparse.Namespace) -> bool:
         """Tell whether the options ask for it."""
@@ -81,7 +106,7 @@ class RosKind(WireKind):
 
     def open(self, options: argparse.Namespace, asset: Asset, *, is_first: bool) -> "Wire":
         """Open it, and say where."""
-        wire = (_open_dds if options.ros == "dds" else _open_zenoh)(options, is_first)
+        wire = _open_any(options) if options.ros == _ANY else _OPEN[options.ros](options, is_first)
         if options.ros_namespace is None:
             return wire
         from drake_twin.wires.namespaced_wire import NamespacedWire
@@ -105,10 +130,85 @@ def _namespace(options: argparse.Namespace) -> str:
     return f"/{options.ros_namespace.strip('/')}"
 
 
+def _given(options: argparse.Namespace) -> list[str]:
+    """Return which options are given beside ``--ros``."""
+    values = ((name, getattr(options, name)) for name in _FOR)
+    return [name for name, value in values if value not in (None, "", []) and value is not False]
+
+
+def _check_arguments(words: list[str]) -> None:
+    """Check arguments of ROS as far as they are about all nodes; ROS checks the others.
+
+    Raises:
+        InputError: If they would give all nodes of the twin one name or one namespace.
+    """
+    from drake_twin.ros2.ros_arguments import split_ros_arguments
+
+    arguments = split_ros_arguments(words)
+    if arguments.name is not None:
+        what = f"--ros-args -r __node:={arguments.name} would give all nodes of the twin one name"
+        raise InputError(f"{what}: write -r NODE:__node:={arguments.name} for one of them")
+    if arguments.namespace is not None:
+        what = f"--ros-args -r __ns:={arguments.namespace} would put all nodes of the twin into one namespace"
+        raise InputError(f"{what}: --ros-namespace {arguments.namespace.strip('/')} goes before those that they have")
+    if arguments.parameters:
+        what = "the nodes have the parameters of the launch file and of the robots"
+        say(f"warning: --ros-args: -p and --params-file have no effect on the twin: {what}", sys.stderr)
+
+
+def _open_any(options: argparse.Namespace) -> "Wire":
+    """Open the first wire of which there is what it needs, and say why it is this one; later it is the same one.
+
+    Raises:
+        InputError: If none of them takes the options, or the last of them cannot be opened.
+    """
+    given = _given(options)
+    names = [name for name in _TRANSPORTS if all(name in _FOR[option] for option in given)]
+    if not names:
+        listed = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+        raise InputError(f"no way onto the ROS 2 graph takes {listed} together: leave one out")
+    reasons: list[str] = []
+    for name in names:
+        is_there, reason = _is_there(name, options)
+        is_last = name == names[-1]
+        if is_there or is_last:
+            say(f"ros: {name} is chosen, for {' and '.join(filter(None, (*reasons, reason)))}")
+            try:
+                wire = _OPEN[name](options, True)
+            except InputError as error:
+                if is_last:
+                    raise
+                say(f"ros: {error}", sys.stderr)
+                reason = f"{name} cannot be used"
+            else:
+                options.ros = name
+                break
+        reasons.append(reason)
+    return wire
+
+
+def _is_there(name: str, options: argparse.Namespace) -> tuple[bool, str]:
+    """Return whether a transport has what it needs, and the reason in words."""
+    if name == "rclpy":
+        from drake_twin.wires.rclpy_process import find_rclpy, sourced
+
+        is_there = find_rclpy() is not None
+        return is_there, f"ROS 2 {sourced()} is sourced" if is_there else "no ROS 2 with rclpy is sourced"
+    if name == "zenoh":
+        from drake_twin.wires.zenoh_session import router_answers
+
+        if options.ros_router is not None:
+            return True, "--ros-router is given"
+        port = options.ros_port or _PORT
+        is_there = router_answers(port)
+        return is_there, f"{'a' if is_there else 'no'} Zenoh router answers at {_LOCAL}:{port}"
+    return True, ""
+
+
 def _open_zenoh(options: argparse.Namespace, is_first: bool) -> "Wire":
     from drake_twin.wires.zenoh_wire import ZenohWire
 
-    host, port = options.ros_host or "127.0.0.1", options.ros_port or _PORT
+    host, port = options.ros_host or _LOCAL, options.ros_port or _PORT
     wire = ZenohWire(options.ros_domain, host, port, options.ros_router)
     if is_first:
         say(f"ros: domain {wire.domain} over Zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp), {wire.place}")
@@ -117,9 +217,9 @@ def _open_zenoh(options: argparse.Namespace, is_first: bool) -> "Wire":
 
 
 def _open_dds(options: argparse.Namespace, is_first: bool) -> "Wire":
-    from drake_twin.wires.dds_wire import LOOPBACK, DdsWire
+    from drake_twin.wires.dds_wire import DdsWire
 
-    wire = DdsWire(options.ros_domain, options.ros_host or LOOPBACK)
+    wire = DdsWire(options.ros_domain, options.ros_host or _LOCAL)
     if is_first:
         say(f"ros: domain {wire.domain} over DDS (RMW_IMPLEMENTATION=rmw_cyclonedds_cpp), {wire.place}")
         say("ros: other middlewares over DDS have the topics; services, actions and parameters are not for them")
@@ -127,5 +227,22 @@ def _open_dds(options: argparse.Namespace, is_first: bool) -> "Wire":
     return wire
 
 
+def _open_rclpy(options: argparse.Namespace, is_first: bool) -> "Wire":
+    from drake_twin.wires.rclpy_wire import RclpyWire
+
+    wire = RclpyWire(options.ros_domain, options.ros_args)
+    if is_first:
+        say(f"ros: domain {wire.domain} in {wire.place}")
+        say("ros: every program that this ROS 2 lets onto the domain commands the robots", sys.stderr)
+    return wire
+
+
 def _say_that_it_is_open(what: str) -> None:
     say(f"ros: this protocol has no token: every program that reaches the {what} commands the robots", sys.stderr)
+
+
+_OPEN: dict[str, Callable[[argparse.Namespace, bool], "Wire"]] = {
+    "rclpy": _open_rclpy,
+    "zenoh": _open_zenoh,
+    "dds": _open_dds,
+}

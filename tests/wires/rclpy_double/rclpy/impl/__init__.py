@@ -1,0 +1,1 @@
+"""What rclpy has in C."""
