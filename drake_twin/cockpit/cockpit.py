@@ -72,7 +72,7 @@ class Cockpit:
         for kind, sentence in grouped(twin.findings if player is None else player.findings):
             if kind is not Kind.WINDOW:
                 self._log.add("warning" if kind is Kind.MENDED else str(kind), sentence)
-        self._log.follow(twin)
+        self._end_log = self._log.follow(twin)
         self._clients: frozenset[int] = frozenset()
         self._asked: deque[tuple[int, protocol.Request]] = deque()
         heard = WeakMethod(self._hear)  # the server's thread must not keep the twin
@@ -100,7 +100,7 @@ class Cockpit:
         self._server.listen(lambda: None)
         if self._clients:
             self._twin.inbox.close(urgent=False)
-        self._log.end()
+        self._end_log()
         if self._end_run_to is not None:
             self._end_run_to()
         for overlay in self._overlays.values():

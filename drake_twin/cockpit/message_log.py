@@ -50,17 +50,18 @@ class MessageLog(logging.Handler):
         self.time: float | None = None
         self._lines: dict[tuple[str, str], LogLine] = {}
         self._number = 0
-        self._end: Callable[[], None] = lambda: None
 
-    def follow(self, twin: Twin) -> None:
-        """Collect what the package and a twin's node programs log, until `end`."""
-        logging.getLogger(drake_twin.__name__).addHandler(self)
-        self._end = twin.subscribe(ROSOUT, self._add_line)
+    def follow(self, twin: Twin) -> Callable[[], None]:
+        """Collect what the package and a twin's node programs log; return what ends it, which keeps the twin."""
+        log = logging.getLogger(drake_twin.__name__)
+        log.addHandler(self)
+        end_lines = twin.subscribe(ROSOUT, self._add_line)
 
-    def end(self) -> None:
-        """Collect no longer."""
-        logging.getLogger(drake_twin.__name__).removeHandler(self)
-        self._end()
+        def end() -> None:
+            log.removeHandler(self)
+            end_lines()
+
+        return end
 
     def _add_line(self, line: Any) -> None:
         """Add a line of ``/rosout``; those that the package has logged are here already."""

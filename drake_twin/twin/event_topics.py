@@ -48,6 +48,7 @@ class EventTopic:
 
     Attributes:
         endpoint: The topic.
+        now: Returns the simulation time (s).
         is_heard: Whether anybody subscribes.
         followed: Is called with whether anybody subscribes, whenever that changes.
         report: Returns the fields of the present message, of a topic with a rate; its subscriptions are not here.
@@ -58,7 +59,7 @@ class EventTopic:
         self.is_heard = False
         self.followed: Callable[[bool], None] = lambda is_heard: None
         self.report: Callable[[], Mapping[str, Any]] | None = None
-        self._now, self._note = now, note
+        self.now, self._note = now, note
         self._subscribers: list[_Subscriber] = []
         self._kept: deque[tuple[float, Draft]] = deque(maxlen=endpoint.depth if endpoint.latched else 0)
 
@@ -71,7 +72,7 @@ class EventTopic:
         if not self.is_heard and not self.endpoint.latched:
             return
         draft = self._draft(fields)
-        self._kept.append((self._now(), draft))
+        self._kept.append((self.now(), draft))
         for subscriber in tuple(self._subscribers):
             subscriber.waiting.append(draft)
             self._note()
@@ -79,7 +80,7 @@ class EventTopic:
     def subscribe(self, callback: Callable[[Any], None], *, drafts: bool = False) -> Callable[[], None]:
         """Call back with the messages, first with those that are kept; return a function that ends it."""
         subscriber = _Subscriber(callback, self.endpoint.depth, takes_drafts=drafts)
-        now, longest = self._now(), self.endpoint.lifespan or float("inf")
+        now, longest = self.now(), self.endpoint.lifespan or float("inf")
         subscriber.waiting.extend(draft for time, draft in tuple(self._kept) if 0 <= now - time <= longest)
         if subscriber.waiting:
             self._note()

@@ -2,6 +2,7 @@
 
 import logging
 import sys
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -31,48 +32,44 @@ def put_line(topic: EventTopic, *, time: float, level: int, name: str, text: str
     topic.put(fields)
 
 
-def log_of(topic: EventTopic, now: Callable[[], float], node: str) -> Callable[[str], None]:
-    """Return what publishes lines of level info in a node's name.
-
-    Args:
-        topic: ``/rosout``.
-        now: Returns the simulation time (s).
-        node: The node's full name.
-    """
+def log_of(topic: EventTopic, node: str) -> Callable[[str], None]:
+    """Return what publishes lines of level info on ``/rosout``, in the name of a node."""
     name = node.strip("/").replace("/", ".")
 
     def tell(text: str) -> None:
         caller = sys._getframe(1)
         place = caller.f_code.co_filename, caller.f_code.co_name, caller.f_lineno
-        put_line(topic, time=now(), level=logging.INFO, name=name, text=text, place=place)
+        put_line(topic, time=topic.now(), level=logging.INFO, name=name, text=text, place=place)
 
     return tell
 
 
 class TwinLog(logging.Handler):
-    """Publish the package's own log records, while anybody subscribes.
+    """Publish the package's own log records, while anybody subscribes and the twin is there, which it does not keep.
 
     A record with a ``node``, the full name of a node of a robot, is that node's, such as one of its controller manager;
     others are the twin's.
 
     Args:
         topic: ``/rosout``.
-        now: Returns the simulation time (s).
     """
 
-    def __init__(self, topic: EventTopic, now: Callable[[], float]):
+    def __init__(self, topic: EventTopic):
         super().__init__(logging.DEBUG)
-        self._topic, self._now = topic, now
+        self._topic = weakref.ref(topic)
         topic.followed = self._follow
+        weakref.finalize(topic, logging.getLogger(TWIN).removeHandler, self)
 
     def emit(self, record: logging.LogRecord) -> None:
         """Publish a record, from any thread."""
+        if (topic := self._topic()) is None:
+            return
         name = str(getattr(record, "node", TWIN)).strip("/").replace("/", ".")
         level = min(max(record.levelno // 10, 1), 5) * 10
         if self._hides_last_resort() and logging.lastResort is not None and record.levelno >= logging.lastResort.level:
             logging.lastResort.handle(record)
         place = record.pathname, record.funcName or "", record.lineno
-        put_line(self._topic, time=self._now(), level=level, name=name, text=record.getMessage(), place=place)
+        put_line(topic, time=topic.now(), level=level, name=name, text=record.getMessage(), place=place)
 
     def _hides_last_resort(self) -> bool:
         """Return whether Python would print the record itself if it were not for this handler."""

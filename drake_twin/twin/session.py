@@ -100,7 +100,7 @@ class Session:
         self.events = EventTopics(lambda: self.clock.time)
         self.is_advancing: Callable[[], bool] = lambda: False
         self.parameters = ParameterChanges(self, lambda: self.clock.time)
-        TwinLog(self.events[ROSOUT], lambda: self.clock.time)
+        TwinLog(self.events[ROSOUT])
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._start()
         self.sunk: dict[str, tuple[Finding, ...]] = self.find_sunk(tuple(self.controls))
@@ -344,7 +344,7 @@ class Session:
                 control.manager.loaded = partial(self.parameters.loaded, plan.name)
                 control.manager.configured = partial(self.parameters.configured, plan.name)
                 node = f"{plan.robot.topic_namespace}/controller_manager"
-                control.manager.tell = log_of(self.events[ROSOUT], lambda: self.clock.time, node)
+                control.manager.tell = log_of(self.events[ROSOUT], node)
             control.use(physics)
             controls[plan.name] = control
         self.goals.keep(controls.values())  # before the controllers of the others are gone

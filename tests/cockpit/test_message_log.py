@@ -63,12 +63,12 @@ class My(Node):
 def test_lines_of_node_programs_are_there_and_the_packages_own_only_once(tmp_path):
     log = MessageLog()
     with rovers(1).node(script(tmp_path, "node.py", NODE)).build() as twin:
-        log.follow(twin)
+        end = log.follow(twin)
         logging.getLogger("drake_twin.anything").warning("of the twin")
         twin.advance_to(0.1)
         logging.getLogger("drake_twin.anything").warning("later")
         twin.advance_to(0.2)
-        log.end()
+        end()
         logging.getLogger("drake_twin.anything").warning("after the end")
         twin.advance_to(0.3)
     assert [(line["level"], line["text"], line["times"]) for line in log.as_plain()] == [

@@ -1,7 +1,9 @@
 """Topics of events: who hears what, when, and that nobody pays while nobody listens."""
 
+import gc
 import logging
 import threading
+import weakref
 
 import pytest
 from conftest import rovers
@@ -176,8 +178,7 @@ def test_a_program_without_handlers_still_prints_warnings_once(monkeypatch, caps
     ends = []
     for _ in range(2):
         topics = EventTopics(lambda: 0.0)
-        handler = TwinLog(topics[ROSOUT], lambda: 0.0)
-        assert handler.level <= logging.DEBUG
+        TwinLog(topics[ROSOUT])
         ends.append(topics[ROSOUT].subscribe(lambda line: None))
     logging.getLogger("drake_twin.x").warning("seen")
     assert capsys.readouterr().err == "seen\n"
@@ -185,6 +186,20 @@ def test_a_program_without_handlers_still_prints_warnings_once(monkeypatch, caps
         end()
     logging.getLogger("drake_twin.x").warning("seen")
     assert capsys.readouterr().err == "seen\n"
+
+
+def test_a_twin_that_nobody_keeps_is_not_kept_by_who_listens():
+    log = logging.getLogger("drake_twin")
+    before = list(log.handlers)
+    topics = EventTopics(lambda: 0.0)
+    TwinLog(topics[ROSOUT])
+    topics[ROSOUT].subscribe(lambda line: None)
+    gone = weakref.ref(topics[ROSOUT])
+    assert len(log.handlers) == len(before) + 1
+    del topics
+    gc.collect()
+    assert gone() is None
+    assert log.handlers == before
 
 
 def test_lines_of_other_threads_come_in_the_thread_that_advances_the_twin(twin):
