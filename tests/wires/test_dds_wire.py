@@ -16,7 +16,7 @@ from wires.ros_client import while_running
 from drake_twin import Robot
 from drake_twin.errors import InputError
 from drake_twin.messages import float64_multi_array
-from drake_twin.messages.interface_types import make, serialize
+from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.services.graph import connect
 from drake_twin.twin.replay import replay
 from drake_twin.wires.dds_endpoints import quality, writer
@@ -218,24 +218,24 @@ def test_an_address_that_is_not_here():
         DdsWire(3, "203.0.113.5")
 
 
-def test_a_message_of_another_participant_is_heard_while_its_end_is_open():
+def test_a_message_of_another_participant_is_heard_while_its_end_is_open(monkeypatch):
     from cyclonedds.core import Qos
     from cyclonedds.domain import DomainParticipant
 
+    monkeypatch.setattr("waiting.LONGEST", 30)  # it comes at the next change of the graph anyway
     kind, heard = "std_msgs/msg/String", []
     wire = DdsWire(DOMAIN)
+    listener = wire.listen(WireEndpoint("/chatter", kind, "", "/node"), heard.append)
+    talkers = [writer(DomainParticipant(DOMAIN, Qos()), topic_name("/chatter"), kind, quality(b""))]
     try:
-        listener = wire.listen(WireEndpoint("/chatter", kind, "", "/node"), heard.append)
-        talker = writer(DomainParticipant(DOMAIN, Qos()), topic_name("/chatter"), kind, quality(b""))
-        until(talker.get_matched_subscriptions)
-        data = serialize(make(kind, {"data": "hello"}))
-        talker.write(sample_type(kind)(data))
+        until(lambda: talkers[0].get_matched_subscriptions())
+        talkers[0].write(sample_type(kind)(serialize(make(kind, {"data": "hello"}))))
         until(lambda: heard)
-        assert heard == [data]
+        assert [deserialize(kind, data).data for data in heard] == ["hello"]
         listener.close()
-        until(lambda: not talker.get_matched_subscriptions())
-        del talker
+        until(lambda: not talkers[0].get_matched_subscriptions())
     finally:
+        talkers.clear()
         wire.close()
 
 
