@@ -253,12 +253,12 @@ def test_a_python_that_is_too_old_is_refused(module, tmp_path):
     assert re.fullmatch(r"error: drake_twin needs Python 3\.11 or newer, and .* is 3\.\d+\.\d+: `.*`\.\n", run.stderr)
 
 
-def test_the_refusal_of_an_older_python_is_the_projects_and_an_import_error():
+def test_the_refusal_of_an_older_python_is_the_projects_and_an_import_error(tmp_path):
     """With the version replaced, where there is no older Python."""
     assert PROJECT["requires-python"] == ">=3.11"
     change = "import sys; sys.version_info = (3, 10, 13, 'final', 0)"
     program = f"{change}\ntry:\n    import drake_twin\nexcept ImportError as error:\n    print(error)"
-    run = python("-c", program, folder=ROOT, PYTHONPATH=str(PACKAGE.parent))
+    run = python("-c", program, folder=tmp_path, PYTHONPATH=str(PACKAGE.parent))
     assert run.stdout.startswith("drake_twin needs Python 3.11 or newer, and ")
     assert shlex.quote(str(PACKAGE.parent)) in run.stdout
 

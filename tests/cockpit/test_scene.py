@@ -63,6 +63,24 @@ def test_a_page_that_comes_late_draws_what_one_that_was_there_draws():
     assert not scene.has_path(f"{TWIN}/robot_2")
 
 
+def test_points_lines_and_shapes_are_at_their_paths_until_they_are_deleted():
+    scene, sent = Scene(), Commands()
+    scene.listen(lambda commands: sent.add(commands, keep_deletions=True))
+    points = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    scene.set_points("/marks/points", points, (1.0, 0.0, 0.0), 0.01)
+    scene.set_lines("/marks/lines", points, (1.0, 0.0, 0.0))
+    scene.set_object("/marks/box", Box(1, 1, 1), RED)
+    assert told(sent) == [("set_object", f"/marks/{name}") for name in ("points", "lines", "box")]
+    for content, kind in zip(sent.contents()[:2], ("Points", "LineSegments"), strict=True):
+        drawn = umsgpack.unpackb(content)["object"]
+        assert kind in [item["type"] for item in (drawn["object"], *drawn["object"].get("children", ()))]
+        data = drawn["geometries"][0]["data"]["attributes"]["position"]["array"].data
+        assert np.frombuffer(data, dtype=np.float32).tolist() == [1, 2, 3, 4, 5, 6]
+    assert scene.has_path("/marks/points")
+    scene.delete("/marks")
+    assert not scene.has_path("/marks")
+
+
 def test_a_slow_page_is_owed_no_more_than_the_scene_has_parts():
     scene, twin, owed = Scene(), rovers(1).build(), Commands()
     scene.draw(twin)

@@ -13,6 +13,7 @@ from drake_twin.cockpit import protocol
 from drake_twin.cockpit.message_fields import field_rows, number_at
 from drake_twin.cockpit.topics_panel import TopicsPanel
 from drake_twin.messages import message
+from drake_twin.scenario import Robot
 
 STATES = "/robot_1/joint_states"
 COMMANDS = "/robot_1/forward_velocity_controller/commands"
@@ -244,6 +245,17 @@ def test_what_does_not_fit_is_refused(twin, topic, text, why):
     with pytest.raises(InputError, match=why):
         panel.ask({"do": "Publish", "topic": topic, "text": text, "key": ""})
     assert twin.graph.command(COMMANDS) is None
+
+
+def test_the_form_is_that_of_the_robot_that_has_the_name_now(twin):
+    panel = TopicsPanel(twin)
+    look(panel, echo=COMMANDS)
+    assert len(panel.state()["echoes"][COMMANDS]["form"]["labels"]) == 4
+    twin.entities.delete("robot_1")
+    twin.entities.spawn(Robot("robot_1", ARM))
+    labels = panel.state()["echoes"][COMMANDS]["form"]["labels"]
+    assert labels == [f"{claim.joint} velocity" for claim in twin.graph.command_limits(COMMANDS)]
+    assert labels[0] == "joint_1 velocity"
 
 
 def test_the_form_of_a_trajectory_holds_the_joints_where_they_are(tmp_path):

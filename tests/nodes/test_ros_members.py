@@ -109,6 +109,20 @@ def test_the_members_of_a_source_tree_are_those_that_users_import(tmp_path):
     assert read_members(text)["robots.arms.left_arm.grasp"] == ["arm"]
 
 
+def test_members_that_only_type_checkers_see_are_none(tmp_path):
+    folder = tmp_path / "robots"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("")
+    (folder / "arms.py").write_text(
+        "import sys\nfrom typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    CHECKED = 1\nelse:\n    AT_RUN_TIME = 1\n"
+        "if sys.platform == 'win32':\n    WINDOWS = 1\nelse:\n    OTHERS = 1\n"
+        "try:\n    import fast\n    FAST = True\nexcept ImportError:\n    SLOW = True\n"
+    )
+    assert [*read_members("\n".join(lines([folder])))] == [
+        f"robots.arms.{name}" for name in ("AT_RUN_TIME", "FAST", "OTHERS", "SLOW", "WINDOWS")
+    ]
+
+
 def test_attributes_of_launch_files_that_are_read_and_not_used_are_declared():
     known = {*parameters_without_effect("launch.actions.ExecuteLocal"), "respawn"}
     assert set(execute_process._IGNORED) <= known

@@ -1,5 +1,8 @@
 """Python's own time in node programs: it passes with the simulation, also while threads wait for each other."""
 
+import io
+import sys
+
 import pytest
 from node_runs import lines, running, script
 
@@ -66,3 +69,12 @@ print(lock.acquire(timeout=0.1), passed())
 print(lock.acquire(timeout=5.0), passed())
 """
     assert ran(tmp_path, capsys, text) == ["False 0.1", "True 0.4", "False 0.5", "True 0.8"]
+
+
+@pytest.mark.parametrize(("real", "read"), [(io.StringIO("hello\n"), "'hello\\n'"), (None, "no input")])
+def test_standard_input_is_the_nodes_while_they_run_if_the_process_has_one(tmp_path, capsys, monkeypatch, real, read):
+    monkeypatch.setattr(sys, "stdin", real)
+    text = "import sys\nprint('no input' if sys.stdin is None else repr(sys.stdin.readline()))\n"
+    text += "print(type(sys.stdin).__name__)"
+    assert ran(tmp_path, capsys, text) == [read, "NoneType" if real is None else "StandardInput"]
+    assert sys.stdin is real

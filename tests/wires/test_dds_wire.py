@@ -9,17 +9,26 @@ from itertools import pairwise
 import pytest
 from conftest import ROVER, rovers
 from rosbags.typesys import Stores, get_typestore
+from waiting import until
 from wires.fast_dds_peer import fast_dds_peer
 from wires.ros_client import while_running
 
 from drake_twin import Robot
 from drake_twin.errors import InputError
 from drake_twin.messages import float64_multi_array
-from drake_twin.messages.interface_types import make, serialize
+from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.services.graph import connect
 from drake_twin.twin.replay import replay
+from drake_twin.wires.dds_endpoints import quality, writer
 from drake_twin.wires.dds_wire import DdsWire
-from drake_twin.wires.rmw_dds_format import GRAPH_TYPE, NodeEndpoints, endpoint_data, graph_message, topic_name
+from drake_twin.wires.rmw_dds_format import (
+    GRAPH_TYPE,
+    NodeEndpoints,
+    endpoint_data,
+    graph_message,
+    sample_type,
+    topic_name,
+)
 from drake_twin.wires.ros_names import dds_type
 from drake_twin.wires.wire import WireEndpoint
 
@@ -207,6 +216,27 @@ def test_a_peer_that_stops_to_read_does_not_stop_the_simulation(twin):
 def test_an_address_that_is_not_here():
     with pytest.raises(InputError, match=r"domain 3 cannot be opened on 203\.0\.113\.5"):
         DdsWire(3, "203.0.113.5")
+
+
+def test_a_message_of_another_participant_is_heard_while_its_end_is_open(monkeypatch):
+    from cyclonedds.core import Qos
+    from cyclonedds.domain import DomainParticipant
+
+    monkeypatch.setattr("waiting.LONGEST", 30)  # it comes at the next change of the graph anyway
+    kind, heard = "std_msgs/msg/String", []
+    wire = DdsWire(DOMAIN)
+    listener = wire.listen(WireEndpoint("/chatter", kind, "", "/node"), heard.append)
+    talkers = [writer(DomainParticipant(DOMAIN, Qos()), topic_name("/chatter"), kind, quality(b""))]
+    try:
+        until(lambda: talkers[0].get_matched_subscriptions())
+        talkers[0].write(sample_type(kind)(serialize(make(kind, {"data": "hello"}))))
+        until(lambda: heard)
+        assert [deserialize(kind, data).data for data in heard] == ["hello"]
+        listener.close()
+        until(lambda: not talkers[0].get_matched_subscriptions())
+    finally:
+        talkers.clear()
+        wire.close()
 
 
 def test_the_ends_of_a_closed_wire_send_nothing_and_can_be_closed():

@@ -9,7 +9,7 @@ import pytest
 from conftest import ARM, ROVER, rovers
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from local_wire import LocalWire
+from local_wire import LocalEnd, LocalWire
 from rosbags.typesys import Stores, get_typestore
 
 from drake_twin import InputError, Robot, messages
@@ -298,6 +298,58 @@ def test_an_answer_that_takes_longer_is_not_lost_when_it_fails_or_finds_no_room(
     twin.advance_to(0.2)
     assert response(waited) == (False, "too many requests wait")
     seam.close()
+
+
+class Asking(LocalWire):
+    """A wire over which services of other programs are asked."""
+
+    def __init__(self):
+        super().__init__()
+        self.clients = {}
+
+    def client(self, service, changed):
+        return self.clients.setdefault(service.name, LocalEnd(service, changed))
+
+
+class OfNodes:
+    """What nodes ask of other programs; how often they were told that a service has come or gone."""
+
+    def __init__(self, *names):
+        self.names, self.count = names, 0
+
+    def loaded(self, twin):
+        return self.names
+
+    def wanted(self):
+        return [Echo(name, None) for name in self.names]
+
+    def look_again(self):
+        self.count += 1
+
+    def topics(self):
+        return ()
+
+    news = topics
+
+
+def test_services_of_other_programs_are_looked_for_and_told_in_the_thread_that_advances():
+    with rovers(1).build() as twin:
+        wire, actions = Asking(), OfNodes("/first", "/second")
+        seam = Seam(twin, [wire], actions=actions)
+        assert {name: end.endpoint.node for name, end in wire.clients.items()} == {
+            "/first": "/echo",
+            "/second": "/echo",
+        }
+        thread = threading.Thread(target=wire.clients["/first"].call)
+        thread.start()
+        thread.join()
+        assert actions.count == 0
+        twin.advance_to(0.01)
+        assert actions.count == 1
+        actions.names = ("/second",)
+        twin.advance_to(0.02)
+        assert {name: end.is_closed for name, end in wire.clients.items()} == {"/first": True, "/second": False}
+        seam.close()
 
 
 def test_endpoints_name_the_nodes_that_a_ros_user_looks_for():
