@@ -25,6 +25,7 @@ from drake_twin.wires.zenoh_session import ROUTER_PORT
 _log = logging.getLogger(__name__)
 START = "start a twin with: python -m drake_twin.run … --ros zenoh"
 _LONGEST_CALL = 600.0  # s
+_DEPTH = 5  # messages of a latched topic that come at once, as those of `ros2 topic echo`
 
 
 class Client:
@@ -87,7 +88,7 @@ class Client:
     def subscribe(
         self, topic: str, heard: Callable[[Any], None], kind: str | None = None, *, is_raw: bool = False
     ) -> Closable:
-        """Subscribe to a topic; of a latched one, the last message comes at once.
+        """Subscribe to a topic; of a latched one, the last messages come at once.
 
         Args:
             topic: Its full name.
@@ -158,7 +159,7 @@ class Client:
         return dict(sorted((item.name, item.type) for item in self.entities() if item.kind in kinds))
 
     def _endpoint(self, name: str, kind: str, latched: bool = False) -> WireEndpoint:
-        return WireEndpoint(name, kind, type_hash(kind), self.node, latched)
+        return WireEndpoint(name, kind, type_hash(kind), self.node, latched, depth=_DEPTH if latched else 0)
 
 
 class _Decoder:

@@ -215,19 +215,22 @@ def related_tests(file: str) -> list[str]:
     names = [node.name for node in tree.body if isinstance(node, kinds) and not node.name.startswith("_")]
     names = [name for name in names if name != "main"]  # every program has one
     dotted = ".".join((PACKAGE, *module.with_suffix("").parts))
-    word = re.compile(rf"\b({'|'.join([re.escape(dotted), *names])})\b")
+    stand_in = ".".join(module.with_suffix("").parts[1:]) if len(module.parts) > 2 else dotted  # as `rclpy.qos`
+    word = re.compile(rf"\b({'|'.join([re.escape(dotted), re.escape(stand_in), *names])})\b")
+    imported = re.compile(rf"^from {re.escape(dotted.rpartition('.')[0])} import .*\b{module.stem}\b", re.MULTILINE)
     users = _users(module, dotted) if room else set()
     listed = {test for mutant in MUTANTS if mutant.files == module.as_posix() for test in mutant.tests}
     points: dict[str, float] = {}
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         test = path.relative_to(ROOT).as_posix()
-        count = len(word.findall(path.read_text(encoding="utf-8")))
+        text = path.read_text(encoding="utf-8")
+        count = len(word.findall(text))
         name = path.stem.removeprefix("test_")
         named = (module.stem in name) + (module.stem == name)
         in_room = room != "" and (f"tests/{room}/" in test or test == f"tests/test_{room}.py")
         is_users = in_room and name in users
         value = 100 * named * (1 + in_room) + 10 * min(count, 10) + 5 * in_room + 50 * is_users
-        value += 150 * (test in listed)
+        value += 150 * (test in listed) + 150 * (imported.search(text) is not None)
         if value > 5 or (in_room and value):
             points[test] = value
     return sorted(points, key=lambda test: (-points[test], test))[:MOST_FILES]

@@ -60,6 +60,10 @@ def test_events_are_on_their_grid_and_commands_with_them(tmp_path):
     drive(counting, WORKLOADS["rovers whose commands change"], 1, 0.0, 0.3, 0.05)
     assert counting.stops == pytest.approx([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.3])
     assert len(counting.commanded) == 3
+    counting.stops.clear()
+    drive(counting, WORKLOADS["rovers whose commands change"], 1, 0.3, 0.5, 0.05)
+    assert counting.stops == pytest.approx([0.35, 0.4, 0.45, 0.5, 0.5])
+    assert len(counting.commanded) == 5
 
 
 @pytest.mark.slow

@@ -68,6 +68,15 @@ def test_faults_that_are_drawn_at_random_are_the_same_each_time_and_compile():
         assert all((ROOT / test).is_file() for test in tests)
 
 
+def test_tests_that_import_a_module_by_its_name_belong_to_it():
+    """Before those that are named after something else of that name; nodes import theirs from ``rclpy``."""
+    for tool in ("param", "control"):
+        first = sampled_mutants.related_tests(f"tools/{tool}.py")[:2]
+        assert set(first) == {"tests/tools/test_graph_tools.py", "tests/tools/test_tools.py"}
+    for module, test in (("qos", "topics"), ("clock", "rclpy_members")):
+        assert f"tests/nodes/test_{test}.py" in sampled_mutants.related_tests(f"nodes/rclpy/{module}.py")[:2]
+
+
 def test_tests_that_fail_without_a_fault_say_nothing_about_it(monkeypatch):
     results, fault = [], sampled_mutants.Fault("control/tolerances.py", 1, 0, 0, "", "")
     monkeypatch.setattr(sampled_mutants, "sample", lambda *options: [fault, fault])

@@ -29,3 +29,8 @@ def by_turns(
 def ratio(times: Mapping[str, list[float]], name: str, other: str) -> float:
     """Return the median over the turns of one case's time divided by the other's."""
     return median(a / b for a, b in zip(times[name], times[other], strict=True))
+
+
+def whole(time: float, unit: float) -> float:
+    """Round a time (s) to a whole number of units, one at least."""
+    return max(1, round(time / unit)) * unit

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_twin.benchmarks.report import Table
+from drake_twin.benchmarks.report import Cell, Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ def _draw_robots(tables: Sequence[Table], file: Path) -> Path:
     figure, panels = _panels(len(tables))
     for panel, table in zip(panels, tables, strict=False):
         for index, name in enumerate(table.columns[1:], start=1):
-            panel.loglog([row[0] for row in table.rows], [row[index] for row in table.rows], "o-", label=name, ms=3)
+            _line(panel, name, [(row[0], row[index]) for row in table.rows])
         panel.axhline(1.0, color="0.6", lw=0.8)
         _label(panel, table.title.partition(": ")[2], "robots", "real-time factor")
     panels[0].legend(fontsize=7)
@@ -52,7 +52,7 @@ def _draw_precision(tables: Sequence[Table], file: Path) -> Path:
             name = next(known for known in _LINES if str(setting).startswith(known))
             engines.setdefault(name, []).append((float(str(error)), float(str(factor))))
         for name, points in engines.items():
-            panel.loglog(*zip(*points, strict=True), "o-", label=name, ms=3)
+            _line(panel, name, points)
         _label(panel, table.title.partition(": ")[2], "error (rad)", "real-time factor")
     panels[0].legend(fontsize=7)
     return _save(figure, file)
@@ -72,6 +72,10 @@ def _panels(count: int) -> "tuple[Figure, list[Axes]]":
     for panel in panels[count:]:
         panel.set_visible(False)
     return figure, panels
+
+
+def _line(panel: "Axes", name: str, points: Sequence[tuple[Cell, Cell]]) -> None:
+    panel.loglog(*zip(*points, strict=True), "o-", label=name, ms=3)
 
 
 def _label(panel: "Axes", title: str, x: str, y: str) -> None:

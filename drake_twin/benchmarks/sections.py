@@ -12,21 +12,18 @@ import numpy as np
 
 from drake_twin.benchmarks.engine import Engine, Setting, drive
 from drake_twin.benchmarks.engines.twin import TwinEngine
-from drake_twin.benchmarks.measure import by_turns, ratio
+from drake_twin.benchmarks.measure import by_turns, ratio, whole
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.sensors import sensors
 from drake_twin.benchmarks.size import Size
 from drake_twin.benchmarks.startup import startup
 from drake_twin.benchmarks.sweeps import sweep
-from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
+from drake_twin.benchmarks.workloads import HOLDING_ARMS, LONGEST_GRID, LOOK_AT, SAME_ERROR, WORKLOADS, Workload
 from drake_twin.program import say
 from drake_twin.twin.twin import Twin
 
 ROVERS, ARMS = WORKLOADS["cruising rovers"], WORKLOADS["arms whose commands change"]
-LONGEST_GRID = 0.1  # s; the period at which CENIC is stopped without events
 EVENT = 0.01  # s; the period of the stops in the runs with events
-SAME_ERROR = 1e-3  # rad
-LOOK_AT = 1.3  # s; the time at which errors are measured
 _SOLVERS = ("twin", "twin, similar", "twin, sap")  # the discrete engine with each of Drake's contact solvers
 # The settings that are tried for work and precision.
 _STEPS = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)  # s
@@ -65,7 +62,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
         if topic in ("/tf", "/clock") or topic.endswith("/joint_states"):
             listening.twin.subscribe(topic, lambda message: None, 50)
     engines["listening"] = listening
-    span = _whole(12.0 * size.scale / count * (step / 0.001) ** 0.8, 0.1)  # some 0.4 s of wall time
+    span = whole(12.0 * size.scale / count * (step / 0.001) ** 0.8, 0.1)  # some 0.4 s of wall time
     cases = {name: _turn(engine, workload, count, span) for name, engine in engines.items()}
     for case in cases.values():
         case()  # from rest; the timed turns continue from there
@@ -110,7 +107,7 @@ def features(size: Size) -> list[Table]:
     scene, drawn = Scene(), _twin(size, count)
     drawn.subscribe("/clock", lambda message: scene.draw(drawn), 30)
     twins["a scene drawn at 30 Hz"] = drawn
-    span = _whole(0.5 * size.scale, 0.1)
+    span = whole(0.5 * size.scale, 0.1)
     turn = dict.fromkeys(twins, 0)
 
     def go(name: str) -> None:
@@ -145,7 +142,7 @@ def robots(size: Size) -> list[Table]:
         rows = []
         for count in size.many:
             say(f"  {count} {workload.name}", sys.stderr)
-            span = _whole(1.2 * size.scale, 0.1)
+            span = whole(1.2 * size.scale, 0.1)
             engines = {str(setting): setting.make(workload, count, size.folder) for setting in settings}
             cases = {name: _turn(engine, workload, count, span) for name, engine in engines.items()}
             times = by_turns(cases, max(1, size.repeats // 2))
@@ -270,7 +267,7 @@ def _factor(
     size: Size, settings: list[Setting], workload: Workload, count: int, event: float | None
 ) -> Mapping[Setting, float]:
     """Return real-time factors, measured by turns; cruising robots run for five seconds."""
-    span = _whole((5.0 if workload is ROVERS else LOOK_AT) * min(1.0, size.scale), 0.1)
+    span = whole((5.0 if workload is ROVERS else LOOK_AT) * min(1.0, size.scale), 0.1)
     times: dict[Setting, list[float]] = {setting: [] for setting in settings}
     for _ in range(size.repeats):
         for setting in settings:
@@ -295,17 +292,12 @@ def real_time(size: Size) -> list[Table]:
         for topic in engine.twin.graph.topics():
             if topic.endswith("/joint_states"):
                 engine.twin.subscribe(topic, receive, 50)
-        span = _whole(2.0 * size.scale, 0.1)
+        span = whole(2.0 * size.scale, 0.1)
         times = by_turns({"run": _turn(engine, ROVERS, count, span)}, size.repeats)["run"]
         rows.append((count, span / median(times), span / max(times), received[0]))
     columns = ("rovers", "real-time factor", "slowest turn", "messages received")
     title = "Rovers with CENIC at accuracy 1e-2, joint_states delivered at 50 Hz"
     return [Table("real time", title, columns, tuple(rows))]
-
-
-def _whole(time: float, unit: float) -> float:
-    """Round a time (s) to a whole number of units, one at least."""
-    return max(1, round(time / unit)) * unit
 
 
 SECTIONS: Mapping[str, Callable[[Size], list[Table]]] = {

@@ -7,23 +7,20 @@ from statistics import median
 import numpy as np
 
 from drake_twin.benchmarks.engine import Setting, drive
-from drake_twin.benchmarks.measure import by_turns, ratio
+from drake_twin.benchmarks.measure import by_turns, ratio, whole
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.size import Size
-from drake_twin.benchmarks.workloads import WORKLOADS
+from drake_twin.benchmarks.workloads import LONGEST_GRID, LOOK_AT, SAME_ERROR, WORKLOADS
 from drake_twin.scenario import CENIC, DISCRETE
 from drake_twin.sweeps.episode import DONE, Runner, Sweep
 from drake_twin.sweeps.variation import Design, Variation
 
 _ROVERS, _COUNT = WORKLOADS["cruising rovers"], 2
-_DURATION = 1.3  # s
-_SAME_ERROR = 1e-3  # rad
-_GRID = 0.1  # s; the period at which CENIC is stopped
 _EQUAL_STEP = (Setting("twin", 0.001), Setting("MuJoCo", 0.001))
-_FINEST = (Setting("twin", 0.00005), Setting("twin, cenic", _GRID, 1e-8), Setting("MuJoCo", 0.00001))
+_FINEST = (Setting("twin", 0.00005), Setting("twin, cenic", LONGEST_GRID, 1e-8), Setting("MuJoCo", 0.00001))
 _TRIED = (
     *(Setting("twin", step) for step in (0.01, 0.001, 0.0005, 0.0002)),
-    *(Setting("twin, cenic", _GRID, accuracy) for accuracy in (1e-4, 1e-5, 1e-6, 3e-7, 1e-7)),
+    *(Setting("twin, cenic", LONGEST_GRID, accuracy) for accuracy in (1e-4, 1e-5, 1e-6, 3e-7, 1e-7)),
     *(Setting("MuJoCo", step) for step in (0.002, 0.001, 0.0005, 0.0002, 0.0001, 0.00005)),
 )
 
@@ -32,7 +29,7 @@ def sweep(size: Size) -> list[Table]:
     """Measure episodes a second: a twin that is reset, and a model of MuJoCo that is reset, with the same values."""
     pairs = {"equal step": _EQUAL_STEP, "equal accuracy": _equally_accurate(size)}
     episodes = max(2, round(8 * size.scale))
-    duration = max(1, round(_DURATION * min(1.0, size.scale) / _GRID)) * _GRID
+    duration = whole(LOOK_AT * min(1.0, size.scale), LONGEST_GRID)
     cases = {
         str(setting): (_in_mujoco if setting.engine == "MuJoCo" else _in_twin)(setting, size, episodes, duration)
         for setting in dict.fromkeys(setting for pair in pairs.values() for setting in pair)
@@ -57,8 +54,8 @@ def _equally_accurate(size: Size) -> tuple[Setting, Setting]:
     """
     finest, tried = _FINEST, _TRIED
     if size.scale < 0.5:
-        finest = (Setting("twin", 0.001), Setting("twin, cenic", _GRID, 1e-3), Setting("MuJoCo", 0.001))
-        tried = (Setting("twin", 0.01), Setting("twin, cenic", _GRID, 1e-2), Setting("MuJoCo", 0.002))
+        finest = (Setting("twin", 0.001), Setting("twin, cenic", LONGEST_GRID, 1e-3), Setting("MuJoCo", 0.001))
+        tried = (Setting("twin", 0.01), Setting("twin, cenic", LONGEST_GRID, 1e-2), Setting("MuJoCo", 0.002))
     truths = {setting.engine: _positions(setting, size) for setting in finest}
     errors: dict[Setting, float] = {}
     times: dict[str, list[float]] = {}
@@ -69,7 +66,7 @@ def _equally_accurate(size: Size) -> tuple[Setting, Setting]:
     chosen = []
     for is_mujoco in (False, True):
         own = [setting for setting in tried if (setting.engine == "MuJoCo") == is_mujoco]
-        good = [setting for setting in own if errors[setting] <= _SAME_ERROR]
+        good = [setting for setting in own if errors[setting] <= SAME_ERROR]
         best = min(good, key=lambda setting: times[str(setting)][0], default=min(own, key=errors.__getitem__))
         chosen.append(best)
     return chosen[0], chosen[1]
@@ -77,7 +74,7 @@ def _equally_accurate(size: Size) -> tuple[Setting, Setting]:
 
 def _positions(setting: Setting, size: Size) -> np.ndarray:
     engine = setting.make(_ROVERS, _COUNT, size.folder)
-    drive(engine, _ROVERS, _COUNT, 0.0, _DURATION)
+    drive(engine, _ROVERS, _COUNT, 0.0, LOOK_AT)
     return engine.positions()
 
 

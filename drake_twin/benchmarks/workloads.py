@@ -10,6 +10,10 @@ import numpy as np
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, World
 
+LOOK_AT = 1.3  # s; the time at which errors are measured
+SAME_ERROR = 1e-3  # rad; what counts as equally accurate
+LONGEST_GRID = 0.1  # s; the period at which CENIC is stopped without events
+
 
 @dataclass(frozen=True)
 class Box:

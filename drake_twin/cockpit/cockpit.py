@@ -1,7 +1,6 @@
 """The twin's side of the page: processes the requests of browsers in the twin's thread, and publishes the state."""
 
 import json
-import logging
 import time as wall_clock
 from collections import deque
 from collections.abc import Callable
@@ -73,7 +72,7 @@ class Cockpit:
         for kind, sentence in grouped(twin.findings if player is None else player.findings):
             if kind is not Kind.WINDOW:
                 self._log.add("warning" if kind is Kind.MENDED else str(kind), sentence)
-        logging.getLogger("drake_twin").addHandler(self._log)
+        self._log.follow(twin)
         self._clients: frozenset[int] = frozenset()
         self._asked: deque[tuple[int, protocol.Request]] = deque()
         heard = WeakMethod(self._hear)  # the server's thread must not keep the twin
@@ -101,7 +100,7 @@ class Cockpit:
         self._server.listen(lambda: None)
         if self._clients:
             self._twin.inbox.close(urgent=False)
-        logging.getLogger("drake_twin").removeHandler(self._log)
+        self._log.end()
         if self._end_run_to is not None:
             self._end_run_to()
         for overlay in self._overlays.values():

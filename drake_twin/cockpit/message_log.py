@@ -1,10 +1,20 @@
-"""The page's messages: the package's log records, and what was found when the twin was built."""
+"""The page's messages: logs of the package and of node programs, and what was found when the twin was built."""
 
 import logging
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
+import drake_twin
+from drake_twin.twin.event_topics import ROSOUT
+from drake_twin.twin.rosout import TWIN
+from drake_twin.twin.twin import Twin
+
 _MOST = 200
+_LEVELS = {20: "info", 30: "warning", 40: "error", 50: "error"}
+_OWN = Path(drake_twin.__file__).parent
+_PROGRAMS = _OWN / "nodes" / "programs"
 
 
 @dataclass(frozen=True)
@@ -27,7 +37,7 @@ class LogLine:
 
 
 class MessageLog(logging.Handler):
-    """Collects the package's log records and the page's own messages; the oldest are dropped.
+    """Collects the package's log records, lines of node programs and the page's own messages; the oldest are dropped.
 
     Attributes:
         version: Grows with every message.
@@ -40,6 +50,24 @@ class MessageLog(logging.Handler):
         self.time: float | None = None
         self._lines: dict[tuple[str, str], LogLine] = {}
         self._number = 0
+        self._end: Callable[[], None] = lambda: None
+
+    def follow(self, twin: Twin) -> None:
+        """Collect what the package and a twin's node programs log, until `end`."""
+        logging.getLogger(drake_twin.__name__).addHandler(self)
+        self._end = twin.subscribe(ROSOUT, self._add_line)
+
+    def end(self) -> None:
+        """Collect no longer."""
+        logging.getLogger(drake_twin.__name__).removeHandler(self)
+        self._end()
+
+    def _add_line(self, line: Any) -> None:
+        """Add a line of ``/rosout``; those that the package has logged are here already."""
+        file = Path(line.file)
+        is_own = line.name == TWIN or (file.is_relative_to(_OWN) and not file.is_relative_to(_PROGRAMS))
+        if line.level in _LEVELS and not is_own:
+            self.add(_LEVELS[line.level], f"{line.name}: {line.msg}")
 
     def emit(self, record: logging.LogRecord) -> None:
         """Add a log record, from any thread (logging holds the handler's lock)."""

@@ -1,6 +1,7 @@
 """Parameters of admittance_controller (Jazzy)."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -138,6 +139,11 @@ class AdmittanceParameters:
         enable_parameter_update_without_reactivation: Whether changed parameters are used at once.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = (
+        *("joints", "command_joints", "command_interfaces", "state_interfaces", "chainable_command_interfaces"),
+    )
+    live: ClassVar[tuple[str, ...]] = ("admittance.*", "gravity_compensation.CoG.*", "ft_sensor.filter_coefficient")
+
     joints: tuple[str, ...]
     command_joints: tuple[str, ...] = ()
     command_interfaces: tuple[str, ...] = field(metadata=_INTERFACES)
@@ -152,7 +158,7 @@ class AdmittanceParameters:
     gravity_compensation: GravityCompensation
     admittance: AdmittanceGains
     enable_parameter_update_without_reactivation: bool = field(
-        default=True, metadata={"unsupported": "parameters do not change while a controller runs"}
+        default=True, metadata={"unsupported": "changed parameters are used at once"}
     )
 
     def __post_init__(self) -> None:

@@ -84,9 +84,13 @@ class BatteryStateBroadcasterParameters:
         power_supply_technology: The chemistry of ``sensor_name``, as numbered in ``BatteryState``.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("*",)
+
     batteries: tuple[str, ...] = ()
-    interfaces: Mapping[str, BatteryInterfaces] = field(default_factory=dict)
-    properties: Mapping[str, BatteryProperties] = field(default_factory=dict, metadata={"of_joints": True})
+    interfaces: Mapping[str, BatteryInterfaces] = field(default_factory=dict, metadata={"keys": "batteries"})
+    properties: Mapping[str, BatteryProperties] = field(
+        default_factory=dict, metadata={"of_joints": True, "keys": "batteries"}
+    )
     sensor_name: str = ""
     design_capacity: float = nan
     power_supply_technology: int = field(default=0, metadata=_TECHNOLOGY)

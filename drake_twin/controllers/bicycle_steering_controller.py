@@ -19,6 +19,8 @@ class BicycleSteeringParameters(SteeringParameters):
         rear_wheel_radius: Deprecated.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("front_steering", "*_names", "front_wheel_radius", "rear_wheel_radius")
+
     wheelbase: float = field(metadata={"above": 0.0})
     traction_wheel_radius: float = 0.0
     front_wheel_radius: float = 0.0

@@ -160,6 +160,8 @@ class ChainedFilterParameters:
             ``filter_chain``, and for two or more interfaces.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("input_interfaces", "output_interfaces")
+
     input_interfaces: tuple[str, ...]
     output_interfaces: tuple[str, ...]
     filter_chain: Mapping[str, ChainFilter] = field(default_factory=dict)

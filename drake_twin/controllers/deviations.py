@@ -59,10 +59,10 @@ DEVIATIONS = tuple(
         ("controller manager", "a switch while paused", "times out on wall time", "acts at the next step", _SAME_TIME),
         (
             "controller manager",
-            "parameters of a running controller",
-            "can be changed",
-            "are read once",
-            "a run repeats",
+            "parameters that are set while a controller is inactive",
+            "count when it is configured next",
+            "count at once",
+            "it does nothing until it is activated",
         ),
         (
             "controller manager",
@@ -191,7 +191,7 @@ DEVIATIONS = tuple(
             "service `~/set_feedforward_control`",
             "exists",
             "use the parameter `enable_feedforward`",
-            "parameters are read once",
+            "one way is enough",
         ),
         (
             "gripper controllers",

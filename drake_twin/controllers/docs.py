@@ -4,15 +4,14 @@ Generate it by ``python -m drake_twin.controllers.docs > drake_twin/docs/control
 """
 
 import dataclasses
-import inspect
-import re
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from math import inf, isnan
 from typing import Any
 
 from drake_twin.controllers.deviations import DEVIATIONS
 from drake_twin.controllers.registry import controller_class, controller_types
+from drake_twin.description.declared_parameters import parameter_text
 from drake_twin.description.parameters import parameter_names
 
 _INTRODUCTION = """\
@@ -96,7 +95,7 @@ def _yaml(value: Any) -> str:
 
 def _meaning(parameters: type, name: str, item: "dataclasses.Field[Any]") -> str:
     """Return the docstrings of a parameter and its parents, its bounds, and why it is ignored."""
-    said = [text for kind, attribute in _path(parameters, name) if (text := _attributes(kind).get(attribute))]
+    said = [text] if (text := parameter_text(parameters, name)) else []
     lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
     if choices is not None:
         said.append("one of " + ", ".join(f"`{choice}`" for choice in choices))
@@ -107,34 +106,6 @@ def _meaning(parameters: type, name: str, item: "dataclasses.Field[Any]") -> str
     if "unsupported" in item.metadata:
         said.append(f"*ignored*: {item.metadata['unsupported']}")
     return "; ".join(text.rstrip(".") for text in said).replace("``", "`").replace("|", "\\|")
-
-
-def _path(parameters: type, name: str) -> Iterator[tuple[type, str]]:
-    """Yield the class and attribute of each part of a parameter's name."""
-    kind: Any = parameters
-    for part in name.split("."):
-        if part == "<joint>":
-            for item in dataclasses.fields(kind):
-                if "of_joints" in item.metadata:
-                    kind = typing.get_args(typing.get_type_hints(kind)[item.name])[1]
-                    break
-            continue
-        yield kind, part
-        kind = typing.get_type_hints(kind)[part]
-        if typing.get_origin(kind) is Mapping:
-            kind = typing.get_args(kind)[1]
-
-
-def _attributes(kind: type) -> dict[str, str]:
-    """Return the texts of attributes in the docstrings of a class and its bases."""
-    found: dict[str, str] = {}
-    for each in reversed(kind.__mro__):
-        _, _, section = inspect.cleandoc(each.__doc__ or "").partition("Attributes:\n")  # Python 3.13 indents less
-        for entry in re.split(r"\n(?=    \w+: )", "\n" + section):
-            attribute, colon, text = entry.strip().partition(": ")
-            if colon and attribute.isidentifier():
-                found[attribute] = " ".join(text.split())
-    return found
 
 
 if __name__ == "__main__":

@@ -137,6 +137,8 @@ class ForceTorqueSensorBroadcasterParameters:
         sensor_filter_chain: The filters of ``~/wrench_filtered``.
     """
 
+    live: ClassVar[tuple[str, ...]] = ("offset.*", "multiplier.*")
+
     frame_id: str = field(metadata={"not_empty": True})
     sensor_name: str = ""
     interface_names: WrenchInterfaceNames = WrenchInterfaceNames()

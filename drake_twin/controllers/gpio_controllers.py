@@ -42,9 +42,11 @@ class GpioCommandParameters:
             ``<ros2_control>`` has for ``gpios`` are published.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("*",)
+
     gpios: tuple[str, ...]
-    command_interfaces: Mapping[str, GpioInterfaces] = field(default_factory=dict)
-    state_interfaces: Mapping[str, GpioInterfaces] = field(default_factory=dict)
+    command_interfaces: Mapping[str, GpioInterfaces] = field(default_factory=dict, metadata={"keys": "gpios"})
+    state_interfaces: Mapping[str, GpioInterfaces] = field(default_factory=dict, metadata={"keys": "gpios"})
 
     def __post_init__(self) -> None:
         _check_unique(self.gpios, "gpios")

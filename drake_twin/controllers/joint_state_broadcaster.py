@@ -51,6 +51,8 @@ class JointStateBroadcasterParameters:
         publish_dynamic_joint_states: Whether ``dynamic_joint_states`` is published.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("*",)
+
     use_local_topics: bool = False
     joints: tuple[str, ...] = ()
     extra_joints: tuple[str, ...] = ()

@@ -167,7 +167,8 @@ class JointTrajectoryController(ActionController):
                 seconds_of(goal.goal_time_tolerance),
             )
         except CommandError as error:
-            _log.error("%s: the default tolerances are used: %s", self.setup.name, error)
+            node = f"{self.setup.namespace}/{self.setup.name}"
+            _log.error("%s: the default tolerances are used: %s", self.setup.name, error, extra={"node": node})
             return self._follower.tolerances
 
     def used_id(self, memory: JointTrajectoryMemory) -> int:

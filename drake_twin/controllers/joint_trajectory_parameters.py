@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite
+from typing import ClassVar
 
 from drake_twin.control.pid import PidGains
 from drake_twin.control.trajectory import INTERPOLATION_METHODS
@@ -90,7 +91,7 @@ class TrajectoryConstraints:
     stopped_velocity_tolerance: float = 0.01
     goal_time: float = field(default=0.0, metadata={"lower": 0.0})
     decelerate_on_cancel: bool = False
-    joints: Mapping[str, JointConstraints] = field(default_factory=dict, metadata={"of_joints": True})
+    joints: Mapping[str, JointConstraints] = field(default_factory=dict, metadata={"of_joints": True, "keys": "joints"})
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,14 @@ class JointTrajectoryParameters:
         constraints: The tolerances.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = (
+        *("joints", "command_joints", "command_interfaces", "state_interfaces", "speed_scaling.*", "open_loop_control"),
+        *("interpolate_from_desired_state", "action_monitor_rate", "interpolation_method"),
+        *("gains.<joint>.antiwindup_strategy", "constraints.decelerate_on_cancel"),
+        "constraints.<joint>.max_deceleration_on_cancel",
+    )
+    live: ClassVar[tuple[str, ...]] = ("gains.*", "constraints.*", "allow_*")
+
     joints: tuple[str, ...]
     command_interfaces: tuple[str, ...] = field(
         metadata={"choices": ("position", "velocity", "acceleration", "effort")}
@@ -136,7 +145,7 @@ class JointTrajectoryParameters:
     interpolation_method: str = field(default="splines", metadata={"choices": INTERPOLATION_METHODS})
     allow_nonzero_velocity_at_trajectory_end: bool = False
     cmd_timeout: float = 0.0
-    gains: Mapping[str, JointTrajectoryGains] = field(default_factory=dict)
+    gains: Mapping[str, JointTrajectoryGains] = field(default_factory=dict, metadata={"keys": "joints"})
     constraints: TrajectoryConstraints = TrajectoryConstraints()
 
     @property

@@ -23,6 +23,8 @@ class MagnetometerBroadcasterParameters:
         static_covariance: Nine numbers, row by row (T²).
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("*",)
+
     sensor_name: str = field(metadata={"not_empty": True})
     frame_id: str = field(metadata={"not_empty": True})
     static_covariance: tuple[float, ...] = (0.0,) * 9

@@ -196,6 +196,11 @@ class MecanumDriveParameters:
         odometry_topic: The twin's own: the odometry's topic below the controller's name.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = (
+        *("*_joint_name", "kinematics.*", "tf_frame_prefix", "base_frame_id", "odom_frame_id", "*_covariance_diagonal"),
+    )
+    live: ClassVar[tuple[str, ...]] = ("reference_timeout", "linear.*", "angular.*")
+
     dialects: ClassVar[tuple[type, ...]] = (HusarionMecanumDriveParameters,)
 
     reference_timeout: float = field(default=0.0, metadata={"lower": 0.0})

@@ -53,6 +53,8 @@ class OmniWheelDriveParameters:
         cmd_vel_timeout: The time after which a command expires and the base stops (s); 0 for never.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("*",)
+
     wheel_offset: float
     wheel_names: tuple[str, ...]
     robot_radius: float = field(metadata={"above": 0.0})

@@ -29,6 +29,8 @@ class ParallelGripperActionParameters(GripperActionParameters):
         max_velocity: The largest velocity of a goal without one (rad/s or m/s).
     """
 
+    read_only: ClassVar[tuple[str, ...]] = ("action_monitor_rate", "joint")
+
     state_interfaces: tuple[str, ...] = field(
         default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
     )

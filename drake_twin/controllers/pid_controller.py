@@ -68,6 +68,12 @@ class PidControllerParameters:
         gains: The gains of each of ``dof_names``.
     """
 
+    read_only: ClassVar[tuple[str, ...]] = (
+        *("dof_names", "reference_and_state_dof_names", "command_interface", "reference_and_state_interfaces"),
+        "set_current_state_as_first_setpoint",
+    )
+    live: ClassVar[tuple[str, ...]] = ("gains.*", "enable_feedforward")
+
     dof_names: tuple[str, ...]
     command_interface: str
     reference_and_state_interfaces: tuple[str, ...] = field(metadata={"choices": ("position", "velocity")})
@@ -77,7 +83,7 @@ class PidControllerParameters:
         default=False, metadata={"unsupported": "the state comes from the simulated joints"}
     )
     enable_feedforward: bool = False
-    gains: Mapping[str, PidControllerGains] = field(default_factory=dict)
+    gains: Mapping[str, PidControllerGains] = field(default_factory=dict, metadata={"keys": "dof_names"})
 
     @property
     def state_dof_names(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 from math import copysign, inf, isnan, nan, tan
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -65,6 +65,8 @@ class SteeringParameters(ABC):
         angular_is_steering_angle: Whether a command's ``angular.z`` is that angle (rad), as in classic Gazebo's
             Ackermann plugin; the twin's own.
     """
+
+    read_only: ClassVar[tuple[str, ...]] = ("front_steering", "*_names")
 
     reference_timeout: float = field(default=1.0, metadata={"lower": 0.0})
     front_steering: bool = True

@@ -7,11 +7,13 @@ A parameters class is a frozen dataclass whose fields are named like the paramet
 A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive), ``above`` (exclusive), ``choices``, ``not_empty``,
 ``unsupported``: why a value other than the default has no effect in the twin, and ``not_of_files``: why a parameters
 file cannot give it, as it is for plugins and scenarios. ``of_joints`` marks a mapping whose keys are beside the class's
-other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
+other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``; ``keys`` names the parameter that
+lists the keys which a mapping has in ROS in any case.
 
 Values that depend on each other are checked in ``__post_init__``, which raises `ParameterError`.
 
-A class variable ``dialects`` holds other parameters classes, with other names for the same: one is used where a file
+The class variables ``read_only`` and ``live`` say what can be set (`drake_twin.description.declared_parameters`).
+``dialects`` holds other parameters classes, with other names for the same: one is used where a file
 has one of the names in its class variable ``signs``, and its ``translated()`` returns the class's own instance.
 """
 

@@ -180,7 +180,7 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
         raise ValueError(f"{place}{shortened(data)} is not a mapping of the fields of a {kind}")
     for name in data:
         if name not in names:
-            raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names)}")
+            raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names) or 'none'}")
     defaults = DEFAULTS.get(kind, {})
     values = {name: defaults.get(name) if data.get(name) is None else data[name] for name, _ in fields}
     return store.types[kind](

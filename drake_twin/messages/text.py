@@ -10,7 +10,7 @@ LONGEST = 128  # as `ros2 topic echo` cuts sequences and texts
 
 
 def message_text(message: object, longest: int | None = LONGEST, *, flow_style: bool = False) -> str:
-    """Return a message, or one of its fields, as ``ros2 topic echo`` prints it.
+    """Return a message as ``ros2 topic echo`` prints it.
 
     Args:
         message: The message.
@@ -18,8 +18,6 @@ def message_text(message: object, longest: int | None = LONGEST, *, flow_style: 
         flow_style: Whether it is printed on one line.
     """
     plain = plain_data(message, longest)
-    if isinstance(plain, str | int | float):  # of --field
-        return f"{plain}\n---"
     text: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=10_000, default_flow_style=flow_style)
     return f"{text}---"
 

@@ -164,9 +164,12 @@ class Graph:
             self.log(item.name, f"{reception.node} expects {reception.type}, but this is {item.type}")
             return
 
+        # What has happened at a step is heard at the next one, lest two nodes answer one another without end.
+        delay = 0.5 * self.twin.clock.time_step if item.name in self.twin.graph.events else 0.0
+
         def hear(message: Any) -> None:
             reception.put(message)
-            self.twin.alarm.hasten(self.twin.time)
+            self.twin.alarm.hasten(self.twin.time + delay)
 
         reception.end = self.twin.subscribe(reception.topic, hear)
 

@@ -7,9 +7,13 @@ from typing import Any
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.description.controllers_yaml import nested
+from drake_twin.description.declared_parameters import DeclaredParameter, declared_parameters
 from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.errors import InputError
+from drake_twin.messages.parameter_value import flat, type_of
 
+USE_SIM_TIME = "use_sim_time"
 UNLOADED, UNCONFIGURED, INACTIVE, ACTIVE = "unloaded", "unconfigured", "inactive", "active"
 
 
@@ -47,6 +51,26 @@ class ControllerPlan:
     fallbacks: tuple[str, ...] = ()
     exported: tuple[str, ...] = ()
     ros_parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def declared(self) -> dict[str, DeclaredParameter]:
+        """Its parameters as its node declares them in ROS, by their names; those of a plugin cannot be set."""
+        found = [
+            DeclaredParameter(USE_SIM_TIME, 1, value=True, description="Whether the time is that of /clock"),
+            DeclaredParameter("update_rate", 2, round(self.update_rate), description="The rate of its updates (Hz)"),
+        ]
+        dialects = getattr(type(self.parameters), "dialects", ())
+        has_dialect = any(dialect.signs & nested(self.ros_parameters).keys() for dialect in dialects)
+        if self.parameters is None or self.wiring is not None or has_dialect:
+            plain = {name: value for name, value in flat(self.ros_parameters) if name != "update_rate"}
+            found += (
+                DeclaredParameter(name, type_of(value), value, is_read_only=True) for name, value in plain.items()
+            )
+        else:
+            asynchronous = bool(self.ros_parameters.get("is_async", False))
+            found.append(DeclaredParameter("is_async", 1, asynchronous, description="Without effect in the twin"))
+            found += declared_parameters(self.parameters)
+        return {item.name: item for item in found}
 
     @property
     def reference_interfaces(self) -> tuple[Interface, ...]:

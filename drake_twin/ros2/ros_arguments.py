@@ -22,6 +22,7 @@ class RosArguments:
         remappings: (from, to) pairs.
         parameters: Files and single values, in order.
         log_levels: (logger, level) pairs; the logger is empty for all.
+        publishes_log: Whether the nodes' logs are published on ``/rosout``.
     """
 
     arguments: tuple[str, ...]
@@ -30,6 +31,7 @@ class RosArguments:
     remappings: tuple[tuple[str, str], ...] = ()
     parameters: tuple[Path | Mapping[str, ParameterValue], ...] = ()
     log_levels: tuple[tuple[str, str], ...] = ()
+    publishes_log: bool = True
 
     def before(self, others: "RosArguments") -> "RosArguments":
         """Return these arguments with others that count where these say nothing."""
@@ -40,6 +42,7 @@ class RosArguments:
             self.remappings + others.remappings,  # the first rule that matches wins
             others.parameters + self.parameters,  # the last value counts
             self.log_levels + others.log_levels,
+            self.publishes_log and others.publishes_log,
         )
 
 
@@ -50,13 +53,15 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     parameters: list[Path | Mapping[str, ParameterValue]] = []
     log_levels: list[tuple[str, str]] = []
     names: dict[str, str] = {}
-    ros = False
+    ros, publishes_log = False, True
     rest = iter(words)
     for word in rest:
         if word == "--ros-args" or (ros and word == "--"):
             ros = word == "--ros-args"
         elif not ros:
             own.append(word)
+        elif word in ("--enable-rosout-logs", "--disable-rosout-logs"):
+            publishes_log = word == "--enable-rosout-logs"
         elif word in ("-r", "--remap", "-p", "--param", "--params-file", "--log-level", "-e", "--enclave"):
             value = next(rest, "")
             source, _, target = value.partition(":=")
@@ -71,7 +76,8 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
             elif word == "--log-level":
                 log_levels.append((source, target) if target else ("", value))
     name, namespace = names.get("name"), names.get("namespace")
-    return RosArguments(tuple(own), name, namespace, tuple(remappings), tuple(parameters), tuple(log_levels))
+    items = tuple(remappings), tuple(parameters), tuple(log_levels)
+    return RosArguments(tuple(own), name, namespace, *items, publishes_log)
 
 
 def without_ros_arguments(words: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -106,7 +106,6 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
     ),
     "a result is kept as long as its server": ("rclpy.action.ActionServer(result_timeout)",),
     "a publisher has no callbacks but those of events": ("rclpy.node.Node.create_publisher(callback_group)",),
-    "the lines of loggers are printed, and the graph has no /rosout": ("rclpy.node.Node(enable_rosout)",),
     "all clocks show simulated time": (
         "rclpy.clock.ROSClock(clock_type)",
         "rclpy.impl.rcutils_logger.RcutilsLogger.log(throttle_time_source_type)",

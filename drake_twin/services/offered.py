@@ -15,6 +15,9 @@ def services_of(twin: Twin) -> tuple[Service, ...]:
     found: dict[str, Service] = {}
     for service in _all(twin):
         found.setdefault(service.name, service)
+    nodes = {*(item.node for item in found.values()), *(item.node for item in twin.graph.endpoints)}
+    for service in parameter_services(twin, nodes):
+        found.setdefault(service.name, service)
     return tuple(found.values())
 
 
@@ -27,4 +30,3 @@ def _all(twin: Twin) -> Iterator[Service]:
         for each in OF_ROBOT.values():
             name, node = f"{namespace}/{each.name}", f"{namespace}/{each.node}"
             yield replace(each, name=name, node=node, answer=partial(each.answer, twin, plan.name))
-    yield from parameter_services(twin)

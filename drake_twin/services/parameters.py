@@ -1,65 +1,148 @@
 """The parameter services of the nodes on the graph, as in ``rcl_interfaces``.
 
-The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers. Their
-parameters are those that the robot's files give; they do not change while the twin runs.
+The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers, and those
+of the twin's own services and topics. Only the controllers' parameters can be set; the others are those that the
+robot's files give.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from drake_twin.messages.parameter_value import flat, python_value, type_of, value_fields
+from drake_twin.description.declared_parameters import DeclaredParameter
+from drake_twin.errors import InputError
+from drake_twin.messages.parameter_value import python_value, type_of
+from drake_twin.planning.controller_plan import USE_SIM_TIME
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.services.registry import Fields, Service
+from drake_twin.twin.parameter_changes import value_of
 from drake_twin.twin.twin import Twin
 
-Parameters = Mapping[str, Any]
-_Answer = Callable[[Parameters, Any], Fields]
+Parameters = Mapping[str, DeclaredParameter]
+_SETS = ("set_parameters", "set_parameters_atomically")
 
 
-def parameter_services(twin: Twin) -> Iterator[Service]:
-    """Yield the parameter services of all nodes of the robots."""
-    for plan in twin.built.plans:
-        for node, parameters in _nodes(twin, plan):
-            for name, (kind, answer) in _ANSWERS.items():
-                yield Service(f"{node}/{name}", f"rcl_interfaces/srv/{kind}", node, partial(answer, parameters))
+@dataclass(frozen=True)
+class ParameterNode:
+    """A node with parameters.
+
+    Attributes:
+        name: Its full name.
+        declared: Returns its parameters by their names.
+        put: Sets values, all or none, and returns why not.
+        builds: Whether it does what a callback cannot do to set them.
+    """
+
+    name: str
+    declared: Callable[[], Parameters]
+    put: Callable[[Mapping[str, Any]], str]
+    builds: bool = False
 
 
-def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[tuple[str, Parameters]]:
-    """Yield the full names of a robot's nodes with their parameters."""
-    namespace, clock = plan.robot.topic_namespace, {"use_sim_time": True}
+_Answer = Callable[[ParameterNode, Any], Fields]
+
+
+def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
+    """Yield the parameter services of all nodes.
+
+    Args:
+        twin: The twin, with the nodes of its robots.
+        others: Full names of nodes; those that are no robot's have the time of ``/clock`` alone.
+    """
+    nodes = {node.name: node for plan in twin.built.plans for node in _nodes(twin, plan)}
+    for other in sorted({*others} - nodes.keys()):
+        nodes[other] = constant_node(other, {})
+    for node in nodes.values():
+        for name, (kind, answer) in _ANSWERS.items():
+            between = node.builds and name in _SETS
+            full = f"{node.name}/{name}"
+            yield Service(full, f"rcl_interfaces/srv/{kind}", node.name, partial(answer, node), between)
+
+
+def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[ParameterNode]:
+    """Yield a robot's nodes."""
+    namespace = plan.robot.topic_namespace
     of_publisher = {
         "robot_description": plan.description.text,
         "frame_prefix": plan.frame_prefix,
         "publish_frequency": plan.robot.publish_frequency,
     }
-    yield f"{namespace}/robot_state_publisher", clock | of_publisher
+    yield constant_node(f"{namespace}/robot_state_publisher", of_publisher)
     types = {f"{item.name}.type": item.type for item in plan.controllers}
-    yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.manager.update_rate)} | types
+    yield constant_node(f"{namespace}/controller_manager", {"update_rate": round(plan.manager.update_rate)} | types)
     loaded = twin.control.manager(plan.name).states
-    for controller in plan.controllers:
-        if controller.name in loaded:
-            yield f"{namespace}/{controller.name}", clock | dict(flat(controller.ros_parameters))
+    for name in [item.name for item in plan.controllers if item.name in loaded]:
+        declared = partial(twin.control.parameters, plan.name, name)
+        yield ParameterNode(f"{namespace}/{name}", declared, partial(_put, twin, plan.name, name), builds=True)
 
 
-def _get_parameters(parameters: Parameters, request: Any) -> Fields:
-    return {"values": [value_fields(parameters.get(name)) for name in request.names]}
+def constant_node(name: str, values: Mapping[str, Any]) -> ParameterNode:
+    """Return a node whose parameters are what they are.
 
-
-def _get_parameter_types(parameters: Parameters, request: Any) -> Fields:
-    return {"types": [type_of(parameters.get(name)) for name in request.names]}
-
-
-def _describe_parameters(parameters: Parameters, request: Any) -> Fields:
-    return {
-        "descriptors": [
-            {"name": name, "type": type_of(parameters.get(name)), "read_only": name in parameters}
-            for name in request.names
-        ]
+    Args:
+        name: Its full name.
+        values: Parameter → value.
+    """
+    known = {
+        key: DeclaredParameter(key, type_of(value), value, is_read_only=True)
+        for key, value in ({USE_SIM_TIME: True} | dict(values)).items()
     }
 
+    def put(given: Mapping[str, Any]) -> str:
+        for key, value in given.items():
+            if key not in known or _value(known[key]) != value_of(type_of(value), value):
+                return f"parameter {key!r} cannot be changed while the twin runs: the robot's files give it"
+        return ""
 
-def _list_parameters(parameters: Parameters, request: Any) -> Fields:
+    return ParameterNode(name, lambda: known, put)
+
+
+def _put(twin: Twin, robot: str, controller: str, values: Mapping[str, Any]) -> str:
+    try:
+        twin.control.set_parameters(robot, controller, values)
+    except InputError as error:
+        return error.message
+    return ""
+
+
+def _value(item: DeclaredParameter | None) -> Fields:
+    return {"type": 0} if item is None else value_of(item.type, item.value)
+
+
+def _get_parameters(node: ParameterNode, request: Any) -> Fields:
+    declared = node.declared()
+    return {"values": [_value(declared.get(name)) for name in request.names]}
+
+
+def _get_parameter_types(node: ParameterNode, request: Any) -> Fields:
+    declared = node.declared()
+    return {"types": [declared[name].type if name in declared else 0 for name in request.names]}
+
+
+def _describe_parameters(node: ParameterNode, request: Any) -> Fields:
+    declared = node.declared()
+    return {"descriptors": [_descriptor(name, declared.get(name)) for name in request.names]}
+
+
+def _descriptor(name: str, item: DeclaredParameter | None) -> Fields:
+    if item is None:
+        return {"name": name, "type": 0}
+    fields: dict[str, Any] = {
+        "name": name,
+        "type": item.type,
+        "description": item.description,
+        "additional_constraints": item.constraints,
+        "read_only": item.is_read_only,
+    }
+    if item.bounds is not None:
+        kind, number = ("integer_range", int) if item.is_whole else ("floating_point_range", float)
+        lower, upper = map(number, item.bounds)
+        fields[kind] = [{"from_value": lower, "to_value": upper, "step": number(0)}]
+    return fields
+
+
+def _list_parameters(node: ParameterNode, request: Any) -> Fields:
     """List the parameters below prefixes, at most ``depth`` names deep; 0 is ``DEPTH_RECURSIVE``."""
 
     def is_listed(name: str, above: str) -> bool:
@@ -68,25 +151,25 @@ def _list_parameters(parameters: Parameters, request: Any) -> Fields:
             request.depth == 0 or below.count(".") < request.depth
         )
 
-    names = [name for name in parameters if any(is_listed(name, above) for above in request.prefixes or [""])]
+    names = [name for name in node.declared() if any(is_listed(name, above) for above in request.prefixes or [""])]
     prefixes = dict.fromkeys(name.rpartition(".")[0] for name in names if "." in name)
     return {"result": {"names": names, "prefixes": [*prefixes]}}
 
 
-def _set_parameters(parameters: Parameters, request: Any) -> Fields:
-    return {"results": [_set(parameters, item) for item in request.parameters]}
+def _set_parameters(node: ParameterNode, request: Any) -> Fields:
+    """Set each parameter by itself; all at once if that can be done, for each may take a while."""
+    values = [(item.name, python_value(item.value)) for item in request.parameters]
+    if 1 < len(values) == len(dict(values)) and not node.put(dict(values)):
+        return {"results": [_result("") for _ in values]}
+    return {"results": [_result(node.put({name: value})) for name, value in values]}
 
 
-def _set_parameters_atomically(parameters: Parameters, request: Any) -> Fields:
-    results = [_set(parameters, item) for item in request.parameters]
-    return {"result": next((item for item in results if not item["successful"]), {"successful": True, "reason": ""})}
+def _set_parameters_atomically(node: ParameterNode, request: Any) -> Fields:
+    return {"result": _result(node.put({item.name: python_value(item.value) for item in request.parameters}))}
 
 
-def _set(parameters: Parameters, item: Any) -> Fields:
-    """Return whether a parameter has the value already, for it cannot be changed."""
-    is_same = item.name in parameters and value_fields(parameters[item.name]) == value_fields(python_value(item.value))
-    reason = f"parameter {item.name!r} cannot be changed while the twin runs: the robot's files give it"
-    return {"successful": is_same, "reason": "" if is_same else reason}
+def _result(reason: str) -> Fields:
+    return {"successful": not reason, "reason": reason}
 
 
 _ANSWERS: dict[str, tuple[str, _Answer]] = {

@@ -52,9 +52,9 @@ def _info(client: "Client", options: argparse.Namespace) -> int:
     kinds = (("Subscribers", SUBSCRIPTION), ("Publishers", PUBLISHER), ("Service Servers", SERVICE))
     print(name)
     for title, kind in (*kinds, ("Service Clients", CLIENT)):
-        print(f"  {title}:", *lines(kind), sep="\n")
+        print(f"  {title}:", "\n".join(lines(kind)), sep="\n")
     for title, kind in (("Action Servers", SERVICE), ("Action Clients", CLIENT)):
-        print(f"  {title}:", *actions(kind), sep="\n")
+        print(f"  {title}:", "\n".join(actions(kind)), sep="\n")
     return 0
 
 

@@ -17,6 +17,7 @@ from drake_twin.tools.verb import Now, Verb, positive, run_verbs, yaml_values
 
 if TYPE_CHECKING:
     from drake_twin.client import Client
+    from drake_twin.wires.rmw_zenoh_format import GraphEntity
 
 _POLL = 0.1  # s between two counts of the subscribers
 
@@ -38,12 +39,34 @@ def _info(client: "Client", options: argparse.Namespace) -> int:
         entities = [item for item in client.entities() if item.kind == kind and item.name == name]
         print(f"{what} count: {len(entities)}", end=end)
         for item in entities if options.verbose else ():
-            namespace, _, node = item.node.rpartition("/")
-            durability = "TRANSIENT_LOCAL" if item.latched else "VOLATILE"
-            print(f"Node name: {node}\nNode namespace: {namespace or '/'}\nTopic type: {item.type}")
-            print(f"Topic type hash: {item.hash}\nEndpoint type: {what.upper()}", end="\n")
-            print(f"QoS profile:\n  Durability: {durability}", end=end)
+            print(_endpoint_text(item, what), end=end)
     return 0
+
+
+def _endpoint_text(item: "GraphEntity", what: str) -> str:
+    """Return what rclpy's ``TopicEndpointInfo`` prints of an endpoint."""
+    namespace, _, node = item.node.rpartition("/")
+    deadline, lifespan, lease = (
+        "Infinite" if time is None else f"{time} nanoseconds"
+        for time in (item.qos.deadline, item.qos.lifespan, item.qos.lease)
+    )
+    lines = (
+        f"Node name: {node}",
+        f"Node namespace: {namespace or '/'}",
+        f"Topic type: {item.type}",
+        f"Topic type hash: {item.hash}",
+        f"Endpoint type: {what.upper()}",
+        f"GID: {item.gid.hex('.')}",
+        "QoS profile:",
+        f"  Reliability: {'RELIABLE' if item.qos.is_reliable else 'BEST_EFFORT'}",
+        f"  History (Depth): {f'KEEP_LAST ({item.qos.depth})' if item.qos.depth else 'KEEP_ALL'}",
+        f"  Durability: {'TRANSIENT_LOCAL' if item.latched else 'VOLATILE'}",
+        f"  Lifespan: {lifespan}",
+        f"  Deadline: {deadline}",
+        f"  Liveliness: {'MANUAL_BY_TOPIC' if item.qos.is_manual else 'AUTOMATIC'}",
+        f"  Liveliness lease duration: {lease}",
+    )
+    return "\n".join(lines)
 
 
 def _add_pub(parser: ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+from array import array
 from collections.abc import Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import reduce
@@ -53,10 +54,10 @@ def echo(client: "Client", options: argparse.Namespace) -> int:
                 change, lost = arrivals.lost - lost, arrivals.lost
                 text = f"A message was lost!!!\n\ttotal count change:{change}\n\ttotal count: {lost}\n---"
                 print(text, file=sys.stderr)
-            chosen = message if options.field is None else _field(message, options.field)
+            chosen, kind = (message, None) if options.field is None else _field(message, options.field)
             if wanted is not None and not eval(wanted, {"m": chosen}):  # the user's own expression
                 continue
-            print(_text(chosen, options), flush=True)
+            print(_text(chosen, options) if kind is None else f"{_field_text(chosen, kind)}\n---", flush=True)
             if options.once:
                 break
     except KeyboardInterrupt:
@@ -72,15 +73,30 @@ def _messages(arrivals: Arrivals, seconds: float | None) -> Iterator[Any]:
             yield message
 
 
-def _field(message: Any, path: str) -> Any:
+def _field(message: Any, path: str) -> tuple[Any, Any]:
+    """Return what a message has in a field, and how rosbags describes the field; None where it is a message, too."""
+    from drake_twin.messages.interface_types import fields_of
     from drake_twin.messages.text import field_names
 
+    kind = None
     for name in filter(None, path.split(".")):
         known = field_names(message) if is_dataclass(message) else []
         if name not in known:
             raise InputError(f"--field {path}: unknown field {name!r}", value=name, valid=known)
+        kind = dict(fields_of(str(getattr(message, "__msgtype__", "")))[1])[name]
         message = getattr(message, name)
-    return message
+    return message, None if is_dataclass(message) else kind
+
+
+def _field_text(value: Any, kind: Any) -> str:
+    """Return a field as `print` shows it in rclpy: sequences of numbers are Python's arrays, fixed ones NumPy's."""
+    from drake_twin.messages.text import call_text
+
+    if hasattr(value, "tolist") and value.dtype == bool:
+        value = value.tolist()
+    if hasattr(value, "tolist") and kind[0].name == "SEQUENCE":
+        return repr(array({"l": "q", "L": "Q"}.get(value.dtype.char, value.dtype.char), value.tolist()))
+    return call_text(value) if isinstance(value, list) else str(value)
 
 
 def _text(message: Any, options: argparse.Namespace) -> str:

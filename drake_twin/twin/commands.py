@@ -147,7 +147,8 @@ class Commands:
             try:
                 self.queue.append((topic, control.read(item, message)))
             except CommandError as error:
-                _log.warning("%s", error.about(topic))
+                node = f"{control.plan.robot.topic_namespace}/{item.controller}"
+                _log.warning("%s", error.about(topic), extra={"node": node})
                 if error.deactivates:
                     control.deactivate(item.controller, error.about(topic).message)
         self.delayed = under_way

@@ -1,5 +1,9 @@
 """The controllers of a twin's robots: their managers, goals and emergency stops."""
 
+from collections.abc import Mapping
+from typing import Any
+
+from drake_twin.description.declared_parameters import DeclaredParameter
 from drake_twin.twin.controller_manager import ControllerManager
 from drake_twin.twin.group import Group
 from drake_twin.twin.recording import recorded
@@ -15,6 +19,31 @@ class Control(Group):
             InputError: If the robot is unknown.
         """
         return self._session.control(robot).manager
+
+    def parameters(self, robot: str, controller: str) -> Mapping[str, DeclaredParameter]:
+        """Return a controller's parameters by their names, as its node declares them in ROS.
+
+        Raises:
+            InputError: If the robot or the controller is unknown.
+        """
+        return self._session.parameters.declared(robot, controller)
+
+    @recorded("set_parameters", outside_callbacks="change")
+    def set_parameters(self, robot: str, controller: str, values: Mapping[str, Any]) -> None:
+        """Set parameters of a controller, all or none, as ``ros2 param set`` does.
+
+        As upstream, an active controller follows its gains, tolerances and limits at once, and others when it is
+        configured next. The diagram is built again, and all state is transferred.
+
+        Args:
+            robot: The robot.
+            controller: The controller.
+            values: Name → value of the parameter's own type; lists for arrays.
+
+        Raises:
+            InputError: If one cannot be set, in the words of ROS; or if the robot or the controller is unknown.
+        """
+        self._session.parameters.set(robot, controller, values)
 
     def cancel(self, robot: str, controller: str) -> None:
         """Cancel the present goal of a controller's action; the joints hold where they are.

@@ -83,6 +83,11 @@ class ControllerManager:
         plan: The robot.
         switched: Called at every change with the activated controllers and those deactivated before.
         note: Called with the method and the arguments of every call that may change something.
+
+    Attributes:
+        loaded: Is called with a controller that has been loaded.
+        configured: Is called with a controller that has been configured.
+        tell: Is called with what it does, as ros2_control's logs it.
     """
 
     def __init__(
@@ -95,12 +100,19 @@ class ControllerManager:
         self._plans = {item.name: item for item in plan.controllers}
         self._switched = switched
         self._note = note
+        self.loaded: Callable[[str], None] = lambda name: None
+        self.configured: Callable[[str], None] = lambda name: None
+        self.tell: Callable[[str], None] = lambda text: None
         self._states: dict[str, str] = {}
         self.restart()
 
     def restart(self) -> None:
         """Return to the states at the start, without a call of ``switched``."""
         self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
+
+    def follow(self, plan: RobotPlan) -> None:
+        """Follow another plan of the robot, with other parameters of its controllers."""
+        self._plan, self._plans = plan, {item.name: item for item in plan.controllers}
 
     def retire(self) -> None:
         """Remove all controllers: the robot has been deleted."""
@@ -219,7 +231,9 @@ class ControllerManager:
         if name not in self._plans:
             known = ", ".join(self._plans) or "none"
             return Response(False, f"the parameters files have no controller {name!r}; they have {known}")
+        self.tell(f"Loading controller : '{name}' of type '{self._plans[name].type}'")
         self._states[name] = UNCONFIGURED
+        self.loaded(name)
         return Response(True)
 
     def configure_controller(self, name: str) -> Response:
@@ -233,7 +247,9 @@ class ControllerManager:
         problem = self._plans[name].problem
         if problem is not None:
             return Response(False, f"controller {name!r} cannot be configured: {problem}")
+        self.tell(f"Configuring controller: '{name}'")
         self._states[name] = INACTIVE
+        self.configured(name)
         return Response(True)
 
     def unload_controller(self, name: str) -> Response:
@@ -244,6 +260,7 @@ class ControllerManager:
             return Response(False, self._rules.not_loaded(name))
         if self._states[name] == ACTIVE:
             return Response(False, f"controller {name!r} is active: deactivate it first")
+        self.tell(f"Unloading controller: '{name}'")
         del self._states[name]
         return Response(True)
 
@@ -285,7 +302,12 @@ class ControllerManager:
         switch = self._rules.resolve(to_start, to_stop)
         if switch.conflicts or (switch.message and strictness == STRICT):
             return Response(False, f"nothing is switched: {switch.message}")
-        self._apply(self._rules.with_chained_mode(switch))
+        switch = self._rules.with_chained_mode(switch)
+        for what, concerned in (("Activating", switch.started), ("Deactivating", switch.stopped)):
+            if concerned:
+                self.tell(f"{what} controllers: [ {' '.join(concerned)} ]")
+        self._apply(switch)
+        self.tell("Successfully switched controllers!")
         return Response(True, switch.message)
 
     def deactivate_failed(self, name: str) -> tuple[str, ...]:

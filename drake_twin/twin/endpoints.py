@@ -25,6 +25,9 @@ class Endpoint:
         robot: The robot that it belongs to; empty for the twin's own.
         controller: The controller that it belongs to; empty without one.
         is_best_effort: Whether messages may be lost.
+        depth: How many messages are kept for who is slow or late; 0 for what suits the topic.
+        lifespan: How long messages are kept (s); None for always.
+        of_all_nodes: Whether each node publishes it.
     """
 
     kind: str
@@ -36,6 +39,9 @@ class Endpoint:
     robot: str = ""
     controller: str = ""
     is_best_effort: bool = False
+    depth: int = 0
+    lifespan: float | None = None
+    of_all_nodes: bool = False
 
 
 class ServiceEndpoint(Protocol):

@@ -17,6 +17,7 @@ from drake_twin.systems.no_message import or_none
 from drake_twin.systems.plant_reading import Reading
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
+from drake_twin.twin.event_topics import EventTopic, EventTopics
 from drake_twin.twin.group import Group
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
@@ -40,11 +41,17 @@ class Graph(Group):
         """Return topic → ROS message type: what the twin publishes, then what it listens to."""
         built = self._session.built
         published = {item.topic: item.type for item in built.published.values()}
+        published = {item.name: item.type for item in self.events.endpoints} | published
         return published | {item.topic: item.type for item in built.commanded.values()}
 
     def actions(self) -> dict[str, str]:
         """Return action → ROS action type."""
         return {action: item.type for action, item in self._session.built.actions.items()}
+
+    @property
+    def events(self) -> EventTopics:
+        """The topics that no port of the diagram has: ``/rosout``, ``/parameter_events``, ``/diagnostics``."""
+        return self._session.events
 
     @property
     def endpoints(self) -> tuple[Endpoint, ...]:
@@ -54,7 +61,8 @@ class Graph(Group):
         """
         built, (diagram, known) = self._session.built, self._endpoints
         if diagram is not built.diagram:
-            new = endpoints_of(built)
+            more = (item for item in self.events.endpoints if item.name not in built.published)
+            new = *endpoints_of(built), *more
             self._endpoints = built.diagram, known if new == known else new
         return self._endpoints[1]
 
@@ -84,7 +92,8 @@ class Graph(Group):
         """
         published = self._session.built.published
         if not isinstance(topic, str) or topic not in published:
-            raise InputError(f"nothing is published on {topic!r}", value=str(topic), valid=published)
+            valid = (*published, *self.events)
+            raise InputError(f"nothing is published on {topic!r}", value=str(topic), valid=valid)
         return published[topic]
 
     def deliver(self, topic: Any, data: Any) -> None:
@@ -210,7 +219,15 @@ class Graph(Group):
             raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
         if rate is not None and not is_number(rate, 1e-6):
             raise InputError(f"invalid rate {rate!r} Hz: it must be a number above zero")
-        name, session = self.published_topic(topic).topic, self._session
+        session = self._session
+        if (event := self._event(topic)) is not None:
+            if event.endpoint.rate is None:
+                return event.subscribe(callback, drafts=drafts)
+            period = 1.0 / (rate or event.endpoint.rate)
+            return session.subscriptions.add(
+                Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
+            )
+        name = self.published_topic(topic).topic
 
         def of_port(port: str) -> Subscription:
             item = session.built.published[port]
@@ -235,12 +252,19 @@ class Graph(Group):
 
     def latest(self, topic: Any) -> Any:
         """Return a topic's message at the present time; see `Twin.latest`."""
+        if (event := self._event(topic)) is not None:
+            return event.latest()
         built = self._session.built
         for port in built.publishers[self.published_topic(topic).topic]:
             message = self._message(built.published[port])
             if message is not None:
                 return message
         return None
+
+    def _event(self, topic: Any) -> EventTopic | None:
+        """Return the topic of a name that no port of the diagram has; None for others."""
+        is_of_diagram = not isinstance(topic, str) or topic in self._session.physics.built.published
+        return None if is_of_diagram else self.events.get(topic)
 
     def feed(self, subscriptions: Subscriptions) -> None:
         """Let subscriptions take their messages from here."""
@@ -262,6 +286,8 @@ class Graph(Group):
         Raises:
             RunError: If it needs the step to come, and Drake cannot solve it.
         """
+        if (event := self._event(topic)) is not None:
+            return event.present()
         item = self._session.physics.built.published.get(topic)
         if item is None or (item.controller and not self._is_published(item)):
             return None

@@ -28,11 +28,14 @@ class Frames:
             are called between steps, so that they may do anything but advance the twin.
         are_running: Whether `Twin.run` is executing.
         lockstep: Whether time advances only by requests of steps: `Twin.run` pauses the twin at each frame.
+        missed: The simulation time that the wall clock had granted and that was not simulated, as the processor was too
+            slow (s).
     """
 
     callbacks: list[Callable[[], object]] = field(default_factory=list)
     are_running: bool = False
     lockstep: bool = False
+    missed: float = 0.0
 
 
 class Running(Protocol):
@@ -78,11 +81,16 @@ def _run(
             if not twin.clock.paused:
                 owed += _FRAME / slices * twin.clock.real_time_rate
                 steps = min(floor(owed / twin.clock.time_step + 1e-9), _MOST_STEPS_A_FRAME)
-                owed = min(owed - steps * twin.clock.time_step, twin.clock.time_step)
+                left = owed - steps * twin.clock.time_step
+                owed = min(left, twin.clock.time_step)
+                twin.frames.missed += left - owed
                 _advance_by(twin, steps, until)
             if twin.inbox.is_open:
                 twin.inbox.work()
-            frame_start = max(frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND)
+            due, latest = frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND
+            if latest > due and not twin.clock.paused:
+                twin.frames.missed += (latest - due) * twin.clock.real_time_rate
+            frame_start = max(due, latest)
             _wait_until(twin, frame_start)
     twin.draw()
 

@@ -39,6 +39,7 @@ CALLS = {
     "send_goal": "graph.send_goal",
     "set_entity_state": "entities.set_state",
     "set_joint_positions": "entities.set_joint_positions",
+    "set_parameters": "control.set_parameters",
     "set_time_step": "clock.set_time_step",
     "set_values": "entities.set_values",
     "silence": "graph.silence",

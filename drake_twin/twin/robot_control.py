@@ -105,6 +105,12 @@ class RobotControl:
         """The robot."""
         return self._plan
 
+    def follow(self, plan: RobotPlan) -> None:
+        """Follow another plan of the robot, with other parameters of its controllers; `use` is called after it."""
+        self._plan = plan
+        self._elements = {item.name: item.wiring.elements for item in plan.controllers if item.wiring is not None}
+        self.manager.follow(plan)
+
     def retire(self) -> None:
         """Release the diagram, because the robot has been deleted; its manager has no controllers from now on."""
         self.manager.retire()
@@ -184,7 +190,8 @@ class RobotControl:
         if fallbacks:
             what += f"; fallback controllers {', '.join(fallbacks)} are activated"
         self.faults.append(Finding(Kind.FAILED, what, self._plan.name))
-        _log.error("%s: %s", self._plan.name, what)
+        node = f"{self._plan.robot.topic_namespace}/controller_manager"
+        _log.error("%s: %s", self._plan.name, what, extra={"node": node})
 
     def take_back(self) -> None:
         """Restore the assignment in `kept`, because the next step has failed."""

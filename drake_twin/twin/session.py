@@ -6,6 +6,7 @@ follow snapshots, restoring, building the diagram again, replay and ``state_sha2
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, Protocol
 
 from pydrake.geometry import Meshcat
@@ -20,10 +21,13 @@ from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
+from drake_twin.twin.event_topics import ROSOUT, EventTopics
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
-from drake_twin.twin.physics import Physics, is_same_robot
+from drake_twin.twin.parameter_changes import ParameterChanges
+from drake_twin.twin.physics import Physics, has_other_parameters, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
+from drake_twin.twin.rosout import TwinLog, log_of
 from drake_twin.twin.schedule import step_at
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
@@ -69,6 +73,9 @@ class Session:
         subscriptions: The callbacks of topics.
         simulated: The time that has been simulated since the session was made (s), also before resets.
         alarm: The stops for node programs.
+        is_advancing: Returns whether an advance is under way, so that the diagram cannot be built.
+        parameters: What is set of the controllers' parameters.
+        events: The topics that no port of the diagram has.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -90,6 +97,10 @@ class Session:
         self.subscriptions = Subscriptions(scenario.time_step)
         self.simulated = 0.0
         self.alarm = Alarm(scenario.time_step)
+        self.events = EventTopics(lambda: self.clock.time)
+        self.is_advancing: Callable[[], bool] = lambda: False
+        self.parameters = ParameterChanges(self, lambda: self.clock.time)
+        TwinLog(self.events[ROSOUT], lambda: self.clock.time)
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._start()
         self.sunk: dict[str, tuple[Finding, ...]] = self.find_sunk(tuple(self.controls))
@@ -170,6 +181,10 @@ class Session:
     def failure(self, error: BaseException) -> RunError:
         """Return what Drake raises at the present time as an error for the user."""
         return failure(self.built, self.physics.plant_context, self.clock.time, error)
+
+    def between_advances(self, act: Callable[[], None]) -> None:
+        """Do what a callback cannot do, once the present advance has ended."""
+        self.alarm.requests.append(act)
 
     def parts(self) -> tuple[Part, ...]:
         """Return everything that has state."""
@@ -322,8 +337,14 @@ class Session:
         controls = {}
         for plan in physics.built.plans:
             control = self.controls.get(plan.name)
-            if control is None or control.plan is not plan:
+            if control is not None and has_other_parameters(plan, control.plan):
+                control.follow(plan)
+            elif control is None or control.plan is not plan:
                 control = RobotControl(plan, self.commands.clear, self._note)
+                control.manager.loaded = partial(self.parameters.loaded, plan.name)
+                control.manager.configured = partial(self.parameters.configured, plan.name)
+                node = f"{plan.robot.topic_namespace}/controller_manager"
+                control.manager.tell = log_of(self.events[ROSOUT], lambda: self.clock.time, node)
             control.use(physics)
             controls[plan.name] = control
         self.goals.keep(controls.values())  # before the controllers of the others are gone

@@ -46,6 +46,7 @@ class Stepper:
         self._thread: int | None = None
         self._refused: dict[str, str] = {}  # topics of the scenario's commands → why the last one was refused
         self.paused = False
+        session.is_advancing = lambda: self.is_advancing
 
     @property
     def is_advancing(self) -> bool:
@@ -93,6 +94,10 @@ class Stepper:
                     session.alarm.ring()
                     if self.paused or session.alarm.requests:
                         break
+                if session.events.is_waiting:
+                    session.events.deliver()
+                    if self.paused or session.alarm.requests:
+                        break
                 if self._inbox.is_open and self._inbox.is_waiting:
                     self._inbox.look()
                     if self.paused:
@@ -103,6 +108,7 @@ class Stepper:
                 self._advance_once(target)
             if not session.subscriptions.is_caught_up:
                 session.subscriptions.catch_up(clock.step)
+            session.events.deliver()
             if clock.next_time_step is not None:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:

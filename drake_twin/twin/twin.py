@@ -18,6 +18,7 @@ from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario
 from drake_twin.twin.control import Control
+from drake_twin.twin.diagnostics import Diagnostics
 from drake_twin.twin.endpoints import MoreTopics
 from drake_twin.twin.entities import Entities
 from drake_twin.twin.graph import Graph
@@ -87,6 +88,8 @@ class Twin(Group, OldNames):
         self.entities, self.control = Entities(*parts), Control(*parts)
         self.graph, self.clock = Graph(*parts), TwinClock(*parts)
         self.graph.feed(session.subscriptions)
+        self.frames.callbacks.append(session.events.deliver)  # also while paused
+        Diagnostics(session, self.clock, self.frames)
         session.check_commands(self.graph.check)
 
     @property
@@ -334,6 +337,7 @@ class Twin(Group, OldNames):
         self._stepper.refuse_inside_callback("close")
         while self.companions:
             self.companions.pop().close()
+        self._session.events.close()
         if not self._session.physics.is_discarded:
             self._session.built.renderer.close()
             self._session.physics.discard()

@@ -109,6 +109,8 @@ class _BagSender:
                 "hash": topic.hash,
                 "definition": topic.definition,
                 "latched": topic.latched,
+                "depth": topic.kept,
+                "lifespan": topic.lifespan,
             }
             bag.write(TOPIC, number, 0, json.dumps(description).encode())
 

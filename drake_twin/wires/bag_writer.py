@@ -70,7 +70,7 @@ def write_bag(folder: str, source: BinaryIO) -> None:
                     topic["type"],
                     msgdef=topic["definition"],
                     rihs01=topic["hash"],
-                    offered_qos_profiles=[_quality(topic["latched"])],
+                    offered_qos_profiles=[_quality(topic["latched"], topic["depth"], topic["lifespan"])],
                 )
 
 
@@ -80,18 +80,18 @@ def tell_distribution(folder: Path) -> None:
     write_whole(file, file.read_text("utf-8").replace("ros_distro: rosbags", f"ros_distro: {_DISTRIBUTION}"))
 
 
-def _quality(latched: bool) -> "Qos":
+def _quality(latched: bool, depth: int, lifespan: float | None) -> "Qos":
     """Return the quality of service of the twin's publishers: reliable, and kept for late joiners if latched."""
     from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
     forever = QosTime(2147483647, 4294967295)
     return Qos(
         history=QosHistory.KEEP_LAST,
-        depth=1 if latched else 10,
+        depth=depth,
         reliability=QosReliability.RELIABLE,
         durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
         deadline=forever,
-        lifespan=forever,
+        lifespan=forever if lifespan is None else QosTime(*divmod(round(lifespan * 1e9), 10**9)),
         liveliness=QosLiveliness.AUTOMATIC,
         liveliness_lease_duration=forever,
         avoid_ros_namespace_conventions=False,

@@ -8,7 +8,14 @@ MOST_SAMPLES = 100  # that are taken from a reader at once
 _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
 
 
-def quality(data: bytes, *, latched: bool = False, depth: int | None = 10, is_best_effort: bool = False) -> Any:
+def quality(
+    data: bytes,
+    *,
+    latched: bool = False,
+    depth: int | None = 10,
+    is_best_effort: bool = False,
+    lifespan: float | None = None,
+) -> Any:
     """Return the quality of service as ROS has it: reliable by default, and kept for late joiners if latched.
 
     Args:
@@ -16,11 +23,18 @@ def quality(data: bytes, *, latched: bool = False, depth: int | None = 10, is_be
         latched: Whether late joiners get what was sent before.
         depth: How many messages are kept; None for all.
         is_best_effort: Whether messages may be lost.
+        lifespan: How long messages are kept (s); None for always.
     """
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
 
+    more: list[Any] = []
+    if lifespan is not None:
+        more.append(Policy.Lifespan(duration(seconds=lifespan)))
+    if latched and depth is not None:  # it counts for late joiners, not the history
+        more.append(Policy.DurabilityService(0, Policy.History.KeepLast(depth), -1, -1, -1))
     return Qos(
+        *more,
         Policy.Reliability.BestEffort
         if is_best_effort
         else Policy.Reliability.Reliable(max_blocking_time=duration(milliseconds=_PATIENCE)),

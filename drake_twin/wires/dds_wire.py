@@ -4,8 +4,8 @@ import itertools
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import Any, TypeVar
 
 from drake_twin.errors import InputError
@@ -14,6 +14,7 @@ from drake_twin.requirements import missing
 from drake_twin.wires.dds_discovery import Discovery, End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
 from drake_twin.wires.dds_service import DdsClient, DdsServer
+from drake_twin.wires.loopback_sockets import loopback_only
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
     GRAPH_TYPE,
@@ -60,11 +61,16 @@ class DdsWire:
         self.domain = domain_of_environment() if domain is None else domain
         is_local = host == LOOPBACK
         self.place = f"open on {host}, {'without' if is_local else 'with'} multicast"
+        held: AbstractContextManager[list[int]] = loopback_only() if is_local else nullcontext([])
         try:
-            self._domain: Any = Domain(self.domain, configuration(host, multicast=not is_local))
-            self._participant: Any = DomainParticipant(self.domain, Qos(Policy.Userdata(PARTICIPANT_DATA)))
+            with held as open_ports:
+                self._domain: Any = Domain(self.domain, configuration(host, multicast=not is_local))
+                self._participant: Any = DomainParticipant(self.domain, Qos(Policy.Userdata(PARTICIPANT_DATA)))
         except DDSException as error:
             raise InputError(f"--ros dds: domain {self.domain} cannot be opened on {host}: {error}") from None
+        if open_ports:
+            what = "this system lets it receive from all interfaces: keep UDP ports %s behind a firewall"
+            _log.warning("DDS: %s", what % ", ".join(map(str, open_ports)))
         self._waiting: Any = WaitSet(self._participant)
         self._lock = threading.RLock()  # of the endpoints
         self._senders: list[_Sender] = []
@@ -195,17 +201,26 @@ class DdsWire:
                 self._readings.insert(0, self._readings.pop(index))
                 count -= 1
 
-    def _tell_graph(self, ends: Iterable[End]) -> None:
+    def _tell_graph(self, ends: Sequence[End]) -> None:
         nodes: dict[str, tuple[list[bytes], list[bytes]]] = {}
         for end in ends:
             nodes.setdefault(end.of.node, ([], []))[0 if end.is_reader else 1].append(end.guid)
-        entities = {name: NodeEndpoints(tuple(readers), tuple(writers)) for name, (readers, writers) in nodes.items()}
+        of_all = [end.guid for end in ends if end.of.of_all_nodes]
+        entities = {
+            name: NodeEndpoints(tuple(readers), tuple(dict.fromkeys((*writers, *of_all))))
+            for name, (readers, writers) in nodes.items()
+        }
         self._graph.write(self._graph_type(graph_message(self._participant.guid.bytes, entities)))
 
 
 def _quality(topic: WireEndpoint) -> Any:
-    depth, may_lose = 1 if topic.latched else 10, topic.is_best_effort
-    return quality(endpoint_data(topic.hash), latched=topic.latched, depth=depth, is_best_effort=may_lose)
+    return quality(
+        endpoint_data(topic.hash),
+        latched=topic.latched,
+        depth=topic.kept,
+        is_best_effort=topic.is_best_effort,
+        lifespan=topic.lifespan,
+    )
 
 
 def _can_be(endpoint: WireEndpoint, *types: str) -> bool:

@@ -201,7 +201,8 @@ class _Sender:
     def __init__(
         self, wire: FoxgloveWire, clients: FoxgloveClients, topic: WireEndpoint, listened: Callable[[bool], None]
     ):
-        self.is_heard = topic.latched
+        self._is_latched = topic.latched and topic.kept == 1  # a log is not sent again to those that have it
+        self.is_heard = self._is_latched
         self.is_clock = topic.type == _CLOCK
         self._wire, self._clients, self._topic, self._listened = wire, clients, topic, listened
         self._kept: tuple[bytes, int] | None = None
@@ -211,7 +212,7 @@ class _Sender:
 
     def send(self, data: bytes, at: int) -> None:
         self._wire.follow_time(at)
-        if self._topic.latched:
+        if self._is_latched:
             self._kept = data, at
         if self._clients.have(self._number):
             self._channel.log(data, log_time=at)
@@ -220,7 +221,7 @@ class _Sender:
         """Follow a client that has come or gone, in one of the server's threads."""
         clients = self._clients
         with clients.lock:
-            is_heard = self._topic.latched or (clients.are_there if self.is_clock else clients.have(self._number))
+            is_heard = self._is_latched or (clients.are_there if self.is_clock else clients.have(self._number))
             has_changed, self.is_heard = is_heard != self.is_heard, is_heard
         if has_changed:
             self._listened(is_heard)
@@ -230,7 +231,7 @@ class _Sender:
     def renew(self) -> None:
         """Offer a latched topic again, so that clients subscribe again."""
         with self._lock:
-            if self._topic.latched and not self._is_closed:
+            if self._is_latched and not self._is_closed:
                 self._close()
                 self._open()
 

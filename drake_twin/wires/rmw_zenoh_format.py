@@ -11,6 +11,7 @@ from drake_twin.wires.ros_names import dds_type, ros_type
 
 NO_HASH = "TypeHashNotSupported"  # what ROS 2 Humble writes, which has no type hashes
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = "NN", "MP", "MS", "SS", "SC"
+_DEPTH = 42  # RMW_ZENOH_DEFAULT_HISTORY_DEPTH of qos.hpp
 _ATTACHMENT = struct.Struct("<qqB16s")
 
 
@@ -20,16 +21,43 @@ class Qos:
 
     Attributes:
         transient_local: Whether a late joiner gets the last messages.
-        depth: How many messages are kept.
+        depth: How many messages are kept; 0 for all.
+        is_reliable: Whether messages are sent until they are received.
+        deadline: The longest time between messages (ns); None for any.
+        lifespan: The time after which a message is not delivered any more (ns); None for never.
+        is_manual: Whether the publisher says itself that it is alive.
+        lease: The time in which it has to (ns); None for any.
     """
 
     transient_local: bool = False
     depth: int = 10
+    is_reliable: bool = True
+    deadline: int | None = None
+    lifespan: int | None = None
+    is_manual: bool = False
+    lease: int | None = None
 
     def __str__(self) -> str:
         # Reliable is 1, transient local 1, volatile 2, keep last 1 (rmw/types.h). They are written out: an empty field
         # is rmw_zenoh's own default, which is not the same in all of its versions.
-        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:,:,,"
+        lifespan = "," if self.lifespan is None else ",".join(map(str, divmod(self.lifespan, 10**9)))
+        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:{lifespan}:,,"
+
+    @classmethod
+    def of(cls, text: str) -> "Qos":
+        """Return what a token announces; an empty field is rmw_zenoh's default: reliable, volatile, the last 42."""
+        reliability, durability, history, deadline, lifespan, alive = (text.split(":") + [""] * 6)[:6]
+        keep, _, depth = history.partition(",")
+        liveliness, _, lease = alive.partition(",")
+        return cls(
+            durability == "1",
+            0 if keep == "2" else int(depth or _DEPTH),
+            reliability != "2",
+            _nanoseconds(deadline),
+            _nanoseconds(lifespan),
+            liveliness == "3",
+            _nanoseconds(lease),
+        )
 
 
 @dataclass(frozen=True)
@@ -82,7 +110,8 @@ class GraphEntity:
         name: The full name of its topic or service; empty for a node.
         type: Its ROS type; empty for a node.
         hash: The type's hash; empty for a node.
-        latched: Whether late joiners get the last messages.
+        qos: Its quality of service.
+        gid: The 16 bytes that identify it; empty for a node.
     """
 
     kind: str
@@ -90,7 +119,13 @@ class GraphEntity:
     name: str = ""
     type: str = ""
     hash: str = ""
-    latched: bool = False
+    qos: Qos = Qos()
+    gid: bytes = b""
+
+    @property
+    def latched(self) -> bool:
+        """Whether late joiners get the last messages."""
+        return self.qos.transient_local
 
 
 def read_token(token: str) -> GraphEntity | None:
@@ -105,7 +140,11 @@ def read_token(token: str) -> GraphEntity | None:
     if len(parts) != 12:
         return None
     name, dds, type_hash, qos = parts[8:]
-    return GraphEntity(kind, full, name.replace("%", "/"), ros_type(dds), type_hash, qos.split(":")[1:2] == ["1"])
+    try:
+        announced = Qos.of(qos)
+    except ValueError:  # no number where one has to be
+        return None
+    return GraphEntity(kind, full, name.replace("%", "/"), ros_type(dds), type_hash, announced, gid(token))
 
 
 def session_of(token: str) -> str:
@@ -156,6 +195,12 @@ def read_attachment(data: bytes) -> tuple[int, int, bytes]:
         raise ValueError(f"an attachment of {len(data)} bytes, but rmw_zenoh's has {_ATTACHMENT.size}")
     sequence, time, _, source = _ATTACHMENT.unpack(data)
     return sequence, time, source
+
+
+def _nanoseconds(text: str) -> int | None:
+    """Return a time of a token, ``seconds,nanoseconds``; None for an infinite one."""
+    seconds, _, rest = text.partition(",")
+    return int(seconds or 0) * 10**9 + int(rest or 0) if seconds or rest else None
 
 
 def _mangled(name: str) -> str:

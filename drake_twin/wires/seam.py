@@ -330,7 +330,18 @@ def _wired(endpoint: Endpoint) -> WireEndpoint:
         its_hash = type_hash(kind)
         if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
             text = definition(kind)
-    return WireEndpoint(endpoint.name, kind, its_hash, endpoint.node, endpoint.latched, text, endpoint.is_best_effort)
+    return WireEndpoint(
+        endpoint.name,
+        kind,
+        its_hash,
+        endpoint.node,
+        endpoint.latched,
+        text,
+        endpoint.is_best_effort,
+        depth=endpoint.depth,
+        lifespan=endpoint.lifespan,
+        of_all_nodes=endpoint.of_all_nodes,
+    )
 
 
 def _same(message: Any) -> Any:

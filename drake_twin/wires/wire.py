@@ -20,6 +20,9 @@ class WireEndpoint:
         latched: Whether late joiners get the last message of the topic.
         is_best_effort: Whether messages of the topic may be lost.
         definition: The text of the topic's message type, with those of the messages in it.
+        depth: How many messages of the topic are kept for who is slow or late; 0 for what suits it.
+        lifespan: How long they are kept (s); None for always.
+        of_all_nodes: Whether each node of the program publishes the topic, beside its own.
     """
 
     name: str
@@ -29,6 +32,14 @@ class WireEndpoint:
     latched: bool = False
     definition: str = ""
     is_best_effort: bool = False
+    depth: int = 0
+    lifespan: float | None = None
+    of_all_nodes: bool = False
+
+    @property
+    def kept(self) -> int:
+        """How many messages of the topic are kept."""
+        return self.depth or (1 if self.latched else 10)
 
 
 class Sender(Protocol):

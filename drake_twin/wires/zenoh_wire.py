@@ -153,30 +153,59 @@ class _Graph:
         self._numbers = itertools.count()
         self._nodes: dict[str, tuple[Node, Any]] = {}
         self._users: dict[str, int] = {}
+        self._of_all: dict[str, tuple[WireEndpoint, Qos]] = {}  # publishers that each node has, by their topics
+        self._tokens_of_all: dict[tuple[str, str], Any] = {}  # by node and topic
         self._lock = threading.Lock()
 
     def add(self, kind: str, endpoint: WireEndpoint, qos: Qos) -> tuple[bytes, Callable[[], None]]:
         """Put an endpoint on the graph; return its gid, and a function that takes it off."""
         with self._lock:
-            if endpoint.node not in self._nodes:
+            if is_new := endpoint.node not in self._nodes:
                 namespace, _, name = endpoint.node.rpartition("/")
                 node = Node(self.domain, self._session_id, next(self._numbers), name, namespace or "/")
                 self._nodes[endpoint.node] = node, self._declare(node.token())
             self._users[endpoint.node] = self._users.get(endpoint.node, 0) + 1
             node, _ = self._nodes[endpoint.node]
-            type_hash = endpoint.hash or NO_HASH
-            text = node.endpoint_token(next(self._numbers), kind, endpoint.name, endpoint.type, type_hash, qos)
+            text = self._text(node, kind, endpoint, qos)
             token = self._declare(text)
-        return gid(text), lambda: self._remove(endpoint.node, token)
+            is_of_all = endpoint.of_all_nodes and kind == PUBLISHER
+            if is_of_all:
+                self._of_all[endpoint.name] = endpoint, qos
+            if is_new or is_of_all:
+                self._follow_nodes()
+        return gid(text), lambda: self._remove(endpoint, token, is_of_all=is_of_all)
 
-    def _remove(self, name: str, token: Any) -> None:
+    def _text(self, node: Node, kind: str, endpoint: WireEndpoint, qos: Qos) -> str:
+        type_hash = endpoint.hash or NO_HASH
+        return node.endpoint_token(next(self._numbers), kind, endpoint.name, endpoint.type, type_hash, qos)
+
+    def _follow_nodes(self) -> None:
+        """Give each node the publishers that all have."""
+        wanted = {
+            (name, topic): (node, endpoint, qos)
+            for name, (node, _) in self._nodes.items()
+            for topic, (endpoint, qos) in self._of_all.items()
+            if name != endpoint.node
+        }
+        for key in self._tokens_of_all.keys() - wanted.keys():
+            self._tokens_of_all.pop(key).undeclare()
+        for key in wanted.keys() - self._tokens_of_all.keys():
+            node, endpoint, qos = wanted[key]
+            self._tokens_of_all[key] = self._declare(self._text(node, PUBLISHER, endpoint, qos))
+
+    def _remove(self, endpoint: WireEndpoint, token: Any, *, is_of_all: bool) -> None:
         token.undeclare()
+        name = endpoint.node
         with self._lock:
+            if is_of_all:
+                self._of_all.pop(endpoint.name, None)
             self._users[name] -= 1
             if not self._users[name]:
                 _, node_token = self._nodes.pop(name)
                 del self._users[name]
                 node_token.undeclare()
+            if is_of_all or name not in self._nodes:
+                self._follow_nodes()
 
 
 class _Sender:
@@ -210,14 +239,15 @@ class _Sender:
                 session,
                 key,
                 congestion_control=drop,
-                cache=ext.CacheConfig(1),
+                cache=ext.CacheConfig(topic.kept),
                 publisher_detection=True,
                 sample_miss_detection=ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT),
             )
         else:
             self._publisher = session.declare_publisher(key, congestion_control=drop)
             self._listeners = self._publisher.declare_matching_listener(handlers.RingChannel(1))
-        self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, 1 if topic.latched else 10))
+        lifespan = None if topic.lifespan is None else round(topic.lifespan * 1e9)
+        self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, topic.kept, lifespan=lifespan))
 
     def send(self, data: bytes, at: int) -> None:
         """Send a message; its source timestamp is the wall clock's, as rmw_zenoh's is."""
@@ -257,11 +287,11 @@ class _Listener:
         call = handlers.Callback(self._take, indirect=False)
         key = any_type_key(graph.domain, topic.name)
         if topic.latched:
-            history = ext.HistoryConfig(max_samples=1, detect_late_publishers=True)
+            history = ext.HistoryConfig(max_samples=topic.kept, detect_late_publishers=True)
             self._subscriber: Any = ext.declare_advanced_subscriber(session, key, call, history=history)
         else:
             self._subscriber = session.declare_subscriber(key, call)
-        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos(topic.latched, 1 if topic.latched else 10))
+        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos(topic.latched, topic.kept))
 
     def close(self) -> None:
         """Take it off the graph."""

@@ -26,6 +26,13 @@ def test_each_kind_of_table_has_its_figure(tmp_path):
     assert expected <= words(tmp_path / "precision.svg")
 
 
+def test_real_time_is_a_grey_line(tmp_path):
+    """Grey 0.6 is #999999."""
+    draw([ROBOTS, PRECISION], tmp_path)
+    assert "#999999" in (tmp_path / "robots.svg").read_text()
+    assert "#999999" not in (tmp_path / "precision.svg").read_text()
+
+
 def test_other_tables_have_none(tmp_path):
     assert draw([Table("startup", "Phases of a start", ("phase", "ms"), (("a", 1.0),))], tmp_path) == []
     assert [*tmp_path.iterdir()] == []

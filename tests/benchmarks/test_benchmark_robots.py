@@ -4,6 +4,7 @@ import pytest
 
 from drake_twin.benchmarks.robots import FRICTION, prepare
 from drake_twin.benchmarks.workloads import WORKLOADS
+from drake_twin.builder.demo import demo_scenario
 
 
 @pytest.fixture
@@ -19,6 +20,12 @@ def test_each_robot_has_its_four_wheels_with_their_gains(prepared):
         assert joint.name.startswith("robot_2_") or "wheel" in joint.name
         assert joint.effort > 0
     assert "drake:" not in prepared.robots[0].urdf
+
+
+def test_robots_stand_where_the_demo_has_them(prepared):
+    places = [robot.xyz for robot in demo_scenario("rover", 2).robots]
+    assert [robot.xyz for robot in prepared.robots] == places
+    assert places[0] != places[1]
 
 
 def test_the_other_engines_tires_have_the_twins_friction(prepared):

@@ -65,6 +65,31 @@ def test_where_the_twin_is_nowhere_exact_enough_there_is_no_setting(measured, tm
     assert {(row[4], row[5], row[8]) for row in best.rows} == {("none", None, None)}
 
 
+def test_rovers_are_measured_in_all_numbers_and_others_in_the_first_two(measured, tmp_path):
+    best, *_ = sections.precision(Size(tmp_path, counts=(1, 2, 3)))
+    counts = {name: {row[1] for row in best.rows if row[0] == name} for name in sections.WORKLOADS}
+    assert counts == {name: {1, 2, 3} if name == "cruising rovers" else {1, 2} for name in sections.WORKLOADS}
+
+
+@pytest.mark.parametrize("event", [None, sections.EVENT])
+@pytest.mark.parametrize("count", [1, 32])
+def test_each_setting_is_tried_once_and_the_finest_run_is_finer_than_all(count, event):
+    """Discrete engines are of first order: at a quarter of a step they have a quarter of its error."""
+    finest, tried = sections._settings(count, event, coarse=False)
+    assert len(set(tried)) == len(tried)
+    for engine, truths in finest.items():
+        own = [setting for setting in tried if setting.engine == engine]
+        sizes = [setting.step if setting.accuracy is None else setting.accuracy for setting in own]
+        assert sizes == sorted(sizes, reverse=True)
+        assert len(own) > 5
+        for truth in truths:
+            assert (truth.step if truth.accuracy is None else truth.accuracy) <= sizes[-1]
+        best = min(truth.step if truth.accuracy is None else truth.accuracy for truth in truths)
+        assert best <= sizes[-1] / 2
+        if event is not None and own[0].accuracy is not None:
+            assert {setting.step for setting in own} == {event}
+
+
 def test_each_feature_runs_as_long_as_nothing_does(monkeypatch, tmp_path):
     twins, make = [], sections._twin
 

@@ -16,6 +16,8 @@ def test_processes_phases_and_memory_are_tables(monkeypatch, tmp_path):
     def run(command, **options):
         assert command[0] == sys.executable
         assert options["check"]
+        assert options["capture_output"]
+        assert options["text"]
         asked.append(command[1:])
         text = " ".join(command)
         return SimpleNamespace(stdout='{"one": 0.002, "two": 0.5}' if "perf_counter" in text else "12.5\n")

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from formulas import TIMES, evaluations
 
 from drake_twin.calibration.certainty import certainty
-from drake_twin.calibration.evaluations import Evaluations
 from drake_twin.calibration.fitted import Fitted
 from drake_twin.calibration.log import Log, LoggedCommand, Measured
 from drake_twin.calibration.measured import NUMBERS
@@ -12,26 +12,6 @@ from drake_twin.calibration.noise import noises
 from drake_twin.calibration.residuals import Comparison, independent
 from drake_twin.calibration.search import search
 from drake_twin.messages.interface_types import make
-
-TIMES = np.arange(0, 2, 0.02)
-
-
-class Formula:
-    """In place of a twin: what is measured is a formula of the values."""
-
-    def __init__(self, formula):
-        self.formula = formula
-
-    def run(self, values, moved=None):
-        times = np.arange(0, 2.1, 0.005)
-        return {"/odom": {"linear.x": (times, self.formula(times, *values.values()))}}
-
-
-def evaluations(formula, truth, fitted, sigma=0.01, most=1000):
-    values = formula(TIMES, *truth) + np.random.default_rng(1).normal(0, sigma, len(TIMES))
-    measured = Measured("/odom", "/odom", {"linear.x": (TIMES, values)})
-    log = Log("log", (LoggedCommand(0.0, "/c", [1.0]),), (measured,))
-    return Evaluations(fitted, [Formula(formula)], Comparison([log], {"linear": sigma}, [{}], 0.0), most)
 
 
 def test_a_range_above_zero_is_searched_by_factors():

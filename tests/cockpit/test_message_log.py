@@ -1,5 +1,8 @@
 import logging
 
+from conftest import rovers
+from nodes.node_runs import script
+
 from drake_twin.cockpit.message_log import MessageLog
 
 
@@ -46,3 +49,30 @@ def test_an_error_that_comes_again_is_the_last_line():
     for text in ("no such file", "no such robot", "no such file"):
         log.add("error", text)
     assert [(line["text"], line["times"]) for line in log.as_plain()] == [("no such robot", 1), ("no such file", 2)]
+
+
+NODE = """
+class My(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.get_logger().debug("not enabled")
+        self.get_logger().error("it broke")
+"""
+
+
+def test_lines_of_node_programs_are_there_and_the_packages_own_only_once(tmp_path):
+    log = MessageLog()
+    with rovers(1).node(script(tmp_path, "node.py", NODE)).build() as twin:
+        log.follow(twin)
+        logging.getLogger("drake_twin.anything").warning("of the twin")
+        twin.advance_to(0.1)
+        logging.getLogger("drake_twin.anything").warning("later")
+        twin.advance_to(0.2)
+        log.end()
+        logging.getLogger("drake_twin.anything").warning("after the end")
+        twin.advance_to(0.3)
+    assert [(line["level"], line["text"], line["times"]) for line in log.as_plain()] == [
+        ("warning", "of the twin", 1),
+        ("error", "talker: it broke", 1),
+        ("warning", "later", 1),
+    ]

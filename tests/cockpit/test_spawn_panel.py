@@ -112,7 +112,7 @@ def test_the_dialog_lists_robots_and_a_files_arguments_while_it_is_open(dialog, 
     assert state["arguments"] == {"wheels": "4", "prefix": ""}
     assert dialog.look("nowhere.xacro")["arguments"] == {}
     seen = [dialog.page.state["panels"]["spawn"] for _ in range(70)]
-    assert seen[0] is not None
+    assert 50 < sum(state is not None for state in seen) <= 60  # about four seconds
     assert seen[-1] is None
 
 

@@ -191,6 +191,13 @@ def test_what_cannot_be_looked_at_or_returned_to_is_said():
     page.cockpit.close()
 
 
+def test_after_a_reset_nothing_of_the_former_future_is_looked_at(driving):
+    driving.run_to(2.0)
+    driving.ask(protocol.Reset(), protocol.Look(1.5))
+    assert (driving.twin.time, driving.told["looked"]) == (0.0, None)
+    assert "nothing was drawn yet that could be looked at again" in driving.page.messages[-1][1]
+
+
 def test_a_callback_cannot_go_back_in_time(driving):
     driving.run_to(1.0)
     driving.page.server.ask(protocol.GoOnFrom(0.5))

@@ -281,6 +281,15 @@ def test_frames_are_those_of_tf(twin):
         assert {item["frame"] for item in shown[-1]} == set(frames)
 
 
+def test_frames_come_at_once_and_with_each_fourth_snapshot(twin):
+    panel = TopicsPanel(twin)
+    look(panel)
+    assert panel.state()["frames"] is None
+    look(panel, frames=True)
+    came = [panel.state()["frames"] is not None for _ in range(9)]
+    assert came == [True, False, False, False, True, False, False, False, True]
+
+
 def test_the_diagram_is_drawn_beside_the_simulation(twin):
     panel = TopicsPanel(twin)
     look(panel)

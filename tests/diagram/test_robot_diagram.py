@@ -137,3 +137,37 @@ def test_a_commanded_velocity_is_the_joints_in_each_engine(tmp_path, engine):
     twin.advance_to(0.7)
     assert twin.robot_state("r").velocities[0] == pytest.approx(1.5, rel=1e-3)
     assert twin.robot_state("r").positions[0] - before == pytest.approx(0.3, rel=1e-3)
+
+
+WHEEL = """<robot name="wheel"><link name="world"/><link name="rim"><inertial><mass value="1"/>
+<inertia ixx="0.5" iyy="0.5" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="axle" type="continuous"><parent link="world"/><child link="rim"/><axis xyz="0 0 1"/>{limit}</joint>
+<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+<joint name="axle"><command_interface name="effort"/><state_interface name="velocity"/></joint></ros2_control>
+</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "change", "fastest"),
+    [
+        ("", 1.0, 4.0),
+        ('<limit effort="9" velocity="90"/>', 1.0, 4.0),
+        ('<limit effort="9" velocity="3"/>', 1.0, 3.0),
+        ('<dynamics friction="0.5"/>', 0.75, 3.0),
+    ],
+)
+def test_an_effort_speeds_a_joint_up_to_its_velocity_limit_if_it_has_one(limit, change, fastest, tmp_path):
+    """A torque of 2 N·m on 0.5 kg·m² is 4 rad/s²; less what dry friction takes."""
+    (tmp_path / "wheel.urdf").write_text(WHEEL.format(limit=limit))
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager: {ros__parameters: {update_rate: 100, c: {type: effort_controllers/JointGroupEffort"
+        "Controller}}}\nc: {ros__parameters: {joints: [axle]}}\n"
+    )
+    twin = TwinBuilder().robot("wheel", tmp_path / "wheel.urdf", controllers=tmp_path / "c.yaml").build()
+    twin.publish("/wheel/c/commands", [2.0])
+    velocities = []
+    for time in (0.25, 0.5, 1.02):
+        twin.advance_to(time)
+        velocities += twin.robot_state("wheel").velocities
+    assert velocities[1] - velocities[0] == pytest.approx(change, rel=0.01)
+    assert velocities[2] == pytest.approx(fastest, rel=0.03)

@@ -9,6 +9,12 @@ BLOCK = [(x, y, z) for z in (0.0, 0.05) for x in (-0.02, 0.02) for y in (-0.02, 
 EDGE = [(x, 0.0, 0.0) for x in (-0.02, 0.02)] + PYRAMID[1:]
 
 
+def blunt(share):
+    """A pyramid whose sole has a share of the area of its top."""
+    side = 0.02 * share**0.5
+    return [(side * x, side * y, 0.0) for x in (-1, 1) for y in (-1, 1)] + PYRAMID[1:]
+
+
 def table(folder, foot, ahead):
     """A table of 5 kg with four feet at ±0.15 m and a flap, whose weight is ahead of the middle (m)."""
     import trimesh
@@ -36,6 +42,8 @@ def table(folder, foot, ahead):
         (PYRAMID, 0.12, "point"),  # what stands on a tip has no face that would bear its share of the weight
         (EDGE, 0.12, "point"),
         (BLOCK, 0.12, "faces"),
+        (blunt(0.045), 0.12, "point"),  # less than a twentieth is round
+        (blunt(0.055), 0.12, "faces"),
     ],
 )
 def test_feet_that_stand_on_tips_touch_in_points_where_they_bear_unlike_shares(tmp_path, foot, ahead, touches):

@@ -4,8 +4,10 @@ import ast
 import asyncio
 import os
 import re
+import socket
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -237,23 +239,25 @@ def opened(name, port):
     return None
 
 
-def test_dds_listens_at_every_address_also_on_the_loopback_interface():
+def test_dds_hears_the_loopback_interface_only():
     pytest.importorskip("cyclonedds")
     from drake_twin.wires.dds_wire import DdsWire
 
-    def ports():
-        own = {os.readlink(f"/proc/self/fd/{number}") for number in os.listdir("/proc/self/fd") if exists(number)}
-        lines = Path("/proc/net/udp").read_text().splitlines()[1:]
-        return {fields[1] for fields in map(str.split, lines) if f"socket:[{fields[9]}]" in own}
+    def own_sockets():
+        found = {}
+        for number in map(int, os.listdir("/proc/self/fd")):
+            with suppress(OSError), socket.socket(fileno=os.dup(number)) as own:
+                if own.type == socket.SOCK_DGRAM:
+                    device = own.getsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, 16).rstrip(b"\0")
+                    found[os.readlink(f"/proc/self/fd/{number}")] = own.getsockname()[0], device
+        return found
 
-    def exists(number):
-        return os.path.lexists(f"/proc/self/fd/{number}")
-
-    before = ports()
+    before = own_sockets()
     wire = DdsWire(domain=77)
-    opened = ports() - before
+    opened = [place for name, place in own_sockets().items() if name not in before]
     wire.close()
-    assert any(address.startswith("00000000:") for address in opened)
+    assert ("0.0.0.0", b"lo") in opened
+    assert all(device == b"lo" or address == "127.0.0.1" for address, device in opened)
 
 
 def test_foxglove_answers_a_page_of_another_site():

@@ -48,3 +48,45 @@ def test_a_publisher_is_heard_while_its_node_is_active(tmp_path, capsys):
         "True False",
         "True False",
     ]
+
+
+SERVED = """
+import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from rclpy.lifecycle import LifecycleNode
+rclpy.init()
+asker = rclpy.create_node("asker")
+
+def ask(service, kind, request):
+    client = asker.create_client(kind, service)
+    client.wait_for_service()
+    future = client.call_async(request)
+    while not future.done():
+        rclpy.spin_once(asker, timeout_sec=0.01)
+        rclpy.spin_once(node, timeout_sec=0.01)
+    return future.result()
+
+for name, numbers in (("a", (5,)), ("b", (1, 6)), ("c", (1, 3, 7)), ("d", (1, 3, 4, 2)), ("e", (3, 14))):
+    node = LifecycleNode(name)
+    done = []
+    for number in numbers:
+        request = ChangeState.Request(transition=Transition(id=number))
+        done.append(ask(f"/{name}/change_state", ChangeState, request).success)
+    state = ask(f"/{name}/get_state", GetState, GetState.Request()).current_state
+    print(name, done, state.id, state.label)
+"""
+
+
+def test_transitions_are_asked_for_by_their_numbers(tmp_path, capsys):
+    """Those of lifecycle_msgs/msg/Transition: three ways to shut down; what does not begin in the state fails."""
+    with running(script(tmp_path, "my.py", SERVED)) as twin:
+        twin.advance_to(2.0)
+        assert twin.findings == ()
+    assert lines(capsys) == [
+        "a [True] 4 finalized",
+        "b [True, True] 4 finalized",
+        "c [True, True, True] 4 finalized",
+        "d [True, True, True, True] 1 unconfigured",
+        "e [False, False] 1 unconfigured",
+    ]

@@ -87,6 +87,25 @@ def test_a_module_of_its_packages_name_is_another(tmp_path, capsys):
     assert (package / "talk" / "talk.py").is_file()
 
 
+@pytest.mark.parametrize(
+    ("module", "imported"),
+    [("solo", ["solo"]), ("deep.sub.talk", ["deep", "deep.sub", "deep.sub.talk"])],
+)
+def test_the_packages_around_a_module_are_imported_and_each_once(module, imported, tmp_path, capsys):
+    """As Python's own import does it."""
+    package = tmp_path / "talker"
+    script(package, "package.xml", PACKAGE_XML.format(name="talker"))
+    entry = f'{{"console_scripts": ["talk = {module}:main"]}}'
+    script(package, "setup.py", f'from setuptools import setup\nsetup(name="talker", entry_points={entry})\n')
+    for name in imported:
+        place = name.replace(".", "/") + ("" if name == module else "/__init__")
+        script(package, f"{place}.py", "print(__name__)\n\n\ndef main():\n    print('runs')\n")
+    with rovers(1).package_path(tmp_path).node("talk", package="talker").build() as twin:
+        twin.advance_to(0.01)
+        assert twin.findings == ()
+    assert lines(capsys) == [*imported, "runs"]
+
+
 def test_the_exit_code_of_a_console_script_counts(tmp_path, capsys):
     python_package(tmp_path, "greeter", "hello")
     with rovers(1).package_path(tmp_path).node("other", package="greeter").build() as twin:

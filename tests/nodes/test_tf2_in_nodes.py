@@ -175,3 +175,18 @@ listener.unregister()
 """
     assert run_script(tmp_path, START + text) == ""
     assert "2.0" in capsys.readouterr().out.splitlines()
+
+
+def test_a_listener_that_ends_hears_nothing_and_leaves_no_thread(tmp_path, capsys):
+    text = """
+import threading
+
+for spin_thread in (False, True):
+    before = threading.active_count()
+    listener = TransformListener(Buffer(), node, spin_thread=spin_thread)
+    print(len(list(node.subscriptions)), threading.active_count() - before)
+    listener.__del__()
+    print(len(list(node.subscriptions)), threading.active_count() - before)
+"""
+    assert run_script(tmp_path, START + text) == ""
+    assert capsys.readouterr().out.splitlines() == ["2 0", "0 0", "2 1", "0 0"]

@@ -122,7 +122,9 @@ def test_parameters_of_a_controller(twin):
     assert values[1] == {"type": 4, "string_value": "velocity"}
     assert answer(twin, f"{node}/get_parameter_types", names=["joints", "x"]) == {"types": [9, 0]}
     described = answer(twin, f"{node}/describe_parameters", names=["joints", "x"])["descriptors"]
-    assert described[0] == {"name": "joints", "type": 9, "read_only": True}
+    assert (described[0]["name"], described[0]["type"], described[0]["read_only"]) == ("joints", 9, False)
+    assert described[0]["description"] == "The joints, in the order of a command's elements"
+    assert described[1] == {"name": "x", "type": 0}
 
 
 @pytest.mark.parametrize(
@@ -137,7 +139,7 @@ def test_parameters_of_a_controller(twin):
     ],
 )
 def test_parameters_are_listed_below_prefixes(prefixes, depth, names, found):
-    known = {"use_sim_time": True, "gains.j.p": 1.0, "gains.j.i": 2.0, "gains2": 3, "gains": 4}
+    known = parameters.constant_node("/n", {"gains.j.p": 1.0, "gains.j.i": 2.0, "gains2": 3, "gains": 4})
     listed = parameters._list_parameters(known, Message(prefixes=prefixes, depth=depth))["result"]
     assert listed == {"names": names, "prefixes": found}
 
@@ -163,12 +165,13 @@ def test_parameters_are_listed_below_prefixes(prefixes, depth, names, found):
 def test_values_have_the_types_of_ros(value, kind, field):
     expected = {"type": kind} if field is None else {"type": kind, field: value}
     asked = Message(names=["it"])
-    assert parameters._get_parameters({"it": value}, asked) == {"values": [expected]}
-    assert parameters._get_parameter_types({"it": value}, asked) == {"types": [kind]}
+    node, other = (parameters.constant_node("/n", {name: value}) for name in ("it", "other"))
+    assert parameters._get_parameters(node, asked) == {"values": [expected]}
+    assert parameters._get_parameter_types(node, asked) == {"types": [kind]}
     if field is not None:
         same = Message(parameters=[Message(name="it", value=Message(type=kind, **{field: value}))])
-        assert parameters._set_parameters({"it": value}, same)["results"] == [{"successful": True, "reason": ""}]
-        assert not parameters._set_parameters({"other": value}, same)["results"][0]["successful"]
+        assert parameters._set_parameters(node, same)["results"] == [{"successful": True, "reason": ""}]
+        assert not parameters._set_parameters(other, same)["results"][0]["successful"]
 
 
 def test_parameters_are_set_only_to_what_they_are(twin):

@@ -77,6 +77,28 @@ def test_a_joint_told_to_go_beyond_its_range_stops_at_its_end():
     assert (desired[1], desired[4]) == (0.5, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("position", "expected"),
+    [(-0.3, [-0.2, 0.0]), (-0.2, [-0.2, 0.0]), (-0.19, [-0.19, 0.1]), (0.49, [0.49, 0.1]), (0.7, [0.5, 0.0])],
+)
+def test_a_joint_stops_at_both_ends_of_its_range_and_moves_between_them(position, expected):
+    only = ServoAssignment(("position",), (0.0,), (0,), (1,), (-1,))
+    dut = make_dut(only, {"arm": 2}, np.array([[-0.2], [-9.0], [-9.0]]), np.array([[0.5], [9.0], [9.0]]))
+    assert evaluate(dut, arm=[position, 0.1])[0] == expected
+
+
+def test_a_joint_that_is_held_at_an_end_of_its_range_moves_at_a_velocity():
+    only = ServoAssignment(("velocity",), (0.5,), (-1,), (0,), (-1,))
+    dut = make_dut(only, {"arm": 1}, np.array([[-0.2], [-9.0], [-9.0]]), np.array([[0.5], [9.0], [9.0]]))
+    assert evaluate(dut, arm=[-0.3])[0] == [0.5, -0.3]
+
+
+def test_a_command_at_a_limit_is_not_cut(caplog):
+    limit = np.full((3, 3), 2.0)
+    evaluate(make_dut(WHEELS_AND_ARM, SIZES, -limit, limit), wheels=[2.0, -2.0], arm=[2.0, -2.0, 2.0])
+    assert not caplog.records
+
+
 def test_for_a_continuous_plant_velocities_are_positions_ahead_by_the_seconds_of_their_mode():
     free = np.full((3, 3), np.inf)
     seconds = {"velocity": (0.5, 0.5, 0.25), "position": (0.1, 0.1, 0.1)}

@@ -22,10 +22,12 @@ def test_nodes(tool):
     assert {"/drake_twin", "/robot_1/controller_manager", "/robot_2/robot_state_publisher"} <= set(names)
     assert tool(node, "list", "-c")[1] == f"{len(names)}\n"
     _, out, _ = tool(node, "info", "/robot_1/joint_state_broadcaster")
-    assert out.splitlines()[:4] == [
+    assert out.splitlines()[:6] == [
         "/robot_1/joint_state_broadcaster",
         "  Subscribers:",
+        "",  # where there are none
         "  Publishers:",
+        "    /parameter_events: rcl_interfaces/msg/ParameterEvent",
         "    /robot_1/dynamic_joint_states: control_msgs/msg/DynamicJointState",
     ]
     assert [line for line in out.splitlines() if line.startswith("  ") and line[2] != " "] == [

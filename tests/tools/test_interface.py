@@ -56,6 +56,8 @@ def test_a_prototype(printed):
         (("show", "std_srvs/srv/Triger"), "std_srvs/srv/Trigger"),
         (("show", "none/msg/X"), "std_msgs"),
         (("show", "String"), "Unknown interface 'String'"),
+        (("show", "std_msgs/messages/String"), "std_msgs/msg/String"),
+        (("show", "std_msgs/msg/String/data"), "std_msgs/msg/String"),
         (("package", "std_srv"), "std_srvs"),
     ],
 )

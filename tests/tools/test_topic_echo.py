@@ -6,7 +6,7 @@ from tools.two_rovers import STATES, tool_of_two_rovers
 from drake_twin.messages.interface_types import make
 from drake_twin.program import ArgumentParser
 from drake_twin.tools import topic
-from drake_twin.tools.topic_echo import _text, add_echo
+from drake_twin.tools.topic_echo import _field, _field_text, _text, add_echo
 
 STATE = {"header": {"stamp": {"sec": 1, "nanosec": 5}, "frame_id": "map"}, "name": ["a", "bc"], "position": [1.0, -2.5]}
 
@@ -33,6 +33,28 @@ def test_arrays_and_texts_are_named_instead_of_printed():
 def test_values_with_commas():
     assert printed("sensor_msgs/msg/JointState", STATE, "--csv") == "1,5,map,a,bc,1.0,-2.5,,"
     assert printed("std_msgs/msg/Float64MultiArray", {"data": [1.0, 2.0, 3.0]}, "--csv", "-l", "2") == "0,1.0,2.0,..."
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "field", "text"),
+    [
+        ("std_msgs/msg/String", {"data": "a" * 200}, "data", "a" * 200),
+        ("sensor_msgs/msg/JointState", STATE, "header.frame_id", "map"),
+        ("sensor_msgs/msg/JointState", STATE, "position", "array('d', [1.0, -2.5])"),
+        ("sensor_msgs/msg/JointState", STATE, "name", "['a', 'bc']"),
+        ("sensor_msgs/msg/Image", {"data": [1, 255]}, "data", "array('B', [1, 255])"),
+        ("std_msgs/msg/Int64MultiArray", {"data": [-1, 2]}, "data", "array('q', [-1, 2])"),
+        ("sensor_msgs/msg/Imu", {}, "angular_velocity_covariance", "[0. 0. 0. 0. 0. 0. 0. 0. 0.]"),
+        (
+            *("geometry_msgs/msg/Polygon", {"points": [{"x": 1.0}]}, "points"),
+            "[geometry_msgs.msg.Point32(x=1.0, y=0.0, z=0.0)]",
+        ),
+        ("std_msgs/msg/Bool", {"data": True}, "data", "True"),
+    ],
+)
+def test_fields_are_printed_as_python_has_them_in_rclpy(kind, fields, field, text):
+    """Sequences of numbers are Python's arrays there, fixed ones NumPy's; nothing is cut."""
+    assert _field_text(*_field(make(kind, fields), field)) == text
 
 
 @pytest.fixture

@@ -21,6 +21,21 @@ def test_bandwidths_by_hand():
     assert bandwidth_text([(0, 4_000_000)], 2 * second).startswith("2.00 MB/s from 1 messages\n")
 
 
+@pytest.mark.parametrize(
+    ("size", "text"),
+    [
+        (999, "999 B/s"),
+        (1000, "1.00 KB/s"),
+        (999_990, "999.99 KB/s"),
+        (1_000_000, "1.00 MB/s"),
+        (1_500_000, "1.50 MB/s"),
+    ],
+)
+def test_a_bandwidth_is_in_the_largest_unit_that_is_less(size, text):
+    """As ``ros2 topic bw`` has it: of 1000 and of 1000000 bytes a second."""
+    assert bandwidth_text([(0, size)], 1_000_000_000).startswith(f"{text} from 1 messages\n")
+
+
 def test_delays_by_hand():
     assert delay_text([1_000_000, 3_000_000]) == (
         "average delay: 0.002\n\tmin: 0.001s max: 0.003s std dev: 0.00100s window: 2"

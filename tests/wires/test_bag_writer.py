@@ -2,6 +2,8 @@
 
 import io
 import json
+import subprocess
+import sys
 
 import pytest
 from rosbags.highlevel import AnyReader
@@ -10,9 +12,9 @@ from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC, _quality, write_ba
 
 
 @pytest.mark.parametrize(("latched", "depth", "durability"), [(False, 10, "VOLATILE"), (True, 1, "TRANSIENT_LOCAL")])
-def test_a_latched_topic_keeps_its_last_message_and_others_ten_for_who_listens(latched, depth, durability):
+def test_a_topic_keeps_its_last_messages_as_deep_as_it_says(latched, depth, durability):
     """As a publisher of rclpy with the profile of this depth, and of ``robot_description``; times without an end."""
-    quality = _quality(latched)
+    quality = _quality(latched, depth, None)
     assert (quality.history.name, quality.depth, quality.durability.name) == ("KEEP_LAST", depth, durability)
     assert (quality.reliability.name, quality.liveliness.name) == ("RELIABLE", "AUTOMATIC")
     forever = {
@@ -20,6 +22,19 @@ def test_a_latched_topic_keeps_its_last_message_and_others_ten_for_who_listens(l
     }
     assert forever == {(2**31 - 1, 2**32 - 1)}  # DDS's Duration_t of infinity
     assert not quality.avoid_ros_namespace_conventions
+    lifespan = _quality(latched, depth, 2.5).lifespan
+    assert (lifespan.sec, lifespan.nsec) == (2, 500_000_000)
+
+
+CHATTER = {
+    "name": "/chatter",
+    "type": "std_msgs/msg/String",
+    "definition": "string data\n",
+    "latched": False,
+    "depth": 10,
+    "lifespan": None,
+    "hash": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",  # of rosidl
+}
 
 
 def record(kind, number, time, content):
@@ -27,10 +42,8 @@ def record(kind, number, time, content):
 
 
 def test_records_are_a_bag_and_one_that_is_cut_off_is_left_out(tmp_path):
-    topic = {"name": "/chatter", "type": "std_msgs/msg/String", "definition": "string data\n", "latched": False}
-    topic["hash"] = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"  # of rosidl
     said = [b"\x00\x01\x00\x00\x02\x00\x00\x00a\x00", b"\x00\x01\x00\x00\x02\x00\x00\x00b\x00"]
-    stream = record(TOPIC, 7, 0, json.dumps(topic).encode())
+    stream = record(TOPIC, 7, 0, json.dumps(CHATTER).encode())
     stream += b"".join(record(MESSAGE, 7, time, data) for time, data in zip((10, 20), said, strict=True))
     for name, rest in (("whole", b""), ("in_head", b"M"), ("in_content", record(MESSAGE, 7, 30, said[0])[:-1])):
         write_bag(str(tmp_path / name), io.BytesIO(stream + rest))
@@ -46,3 +59,12 @@ def test_a_folder_that_exists_is_refused_and_stays(tmp_path):
     with pytest.raises(FileExistsError, match="exists"):
         write_bag(str(tmp_path), io.BytesIO())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_its_process_writes_a_bag_of_the_distribution_whose_messages_it_has(tmp_path):
+    stream = record(TOPIC, 1, 0, json.dumps(CHATTER).encode())
+    words = [sys.executable, "-m", "drake_twin.wires.bag_writer", str(tmp_path / "bag")]
+    assert subprocess.run(words, input=stream, timeout=60).returncode == 0
+    assert "ros_distro: jazzy\n" in (tmp_path / "bag" / "metadata.yaml").read_text()
+    again = subprocess.run(words, input=stream, timeout=60, stderr=subprocess.PIPE, text=False)
+    assert (again.returncode, again.stderr.decode()) == (1, f"the bag {words[-1]} ends here: {words[-1]} exists\n")

@@ -15,12 +15,13 @@ from wires.ros_client import while_running
 from drake_twin import Robot
 from drake_twin.errors import InputError
 from drake_twin.messages import float64_multi_array
-from drake_twin.messages.interface_types import serialize
+from drake_twin.messages.interface_types import make, serialize
 from drake_twin.services.graph import connect
 from drake_twin.twin.replay import replay
 from drake_twin.wires.dds_wire import DdsWire
 from drake_twin.wires.rmw_dds_format import GRAPH_TYPE, NodeEndpoints, endpoint_data, graph_message, topic_name
 from drake_twin.wires.ros_names import dds_type
+from drake_twin.wires.wire import WireEndpoint
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
@@ -206,3 +207,15 @@ def test_a_peer_that_stops_to_read_does_not_stop_the_simulation(twin):
 def test_an_address_that_is_not_here():
     with pytest.raises(InputError, match=r"domain 3 cannot be opened on 203\.0\.113\.5"):
         DdsWire(3, "203.0.113.5")
+
+
+def test_the_ends_of_a_closed_wire_send_nothing_and_can_be_closed():
+    wire, kind = DdsWire(DOMAIN), "std_msgs/msg/String"
+    sender = wire.advertise(WireEndpoint("/said", kind, "", "/node"), lambda is_heard: None)
+    listener = wire.listen(WireEndpoint("/heard", kind, "", "/node"), lambda data: None)
+    server = wire.serve(WireEndpoint("/do", "std_srvs/srv/Trigger", "", "/node"), lambda data, reply: None)
+    client = wire.client(WireEndpoint("/done", "std_srvs/srv/Trigger", "", "/node"), lambda: None)
+    wire.close()
+    sender.send(serialize(make(kind, {"data": "late"})), 0)
+    for end in (sender, listener, server, client):
+        end.close()

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from drake_twin.wires.foxglove_clients import FoxgloveClients
+from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.foxglove_wire import FoxgloveWire
-from drake_twin.wires.wire import WireEndpoint
+from drake_twin.wires.wire import LARGEST, WireEndpoint
 
 pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")
 
@@ -174,6 +175,35 @@ def _listening(kind, heard):
     channel = SimpleNamespace(id=1, topic="/topic", encoding="json", schema_name=kind)
     clients.on_client_advertise(SimpleNamespace(id=1), channel)
     return clients
+
+
+def test_a_message_that_is_too_large_is_one_line_of_the_log(caplog):
+    heard = []
+    clients = _listening(ARRAY, heard.append)
+    client, channel = SimpleNamespace(id=1), SimpleNamespace(id=2, topic="/topic", encoding="cdr", schema_name=ARRAY)
+    clients.on_client_advertise(client, channel)
+    for _ in range(2):
+        clients.on_message_data(client, 2, bytes(LARGEST + 1))
+    assert heard == []
+    assert said(caplog) == [f"/topic: a message of more than {LARGEST} bytes is ignored"]
+    clients.on_message_data(client, 2, bytes(LARGEST))
+    assert heard == [bytes(LARGEST)]
+
+
+def test_what_ends_leaves_the_connection_graph(wire, monkeypatch):
+    graph = set()
+    own = SimpleNamespace(
+        add=lambda kind, endpoint: graph.add((kind, endpoint.name)),
+        remove=lambda kind, endpoint: graph.remove((kind, endpoint.name)),
+        close=lambda: None,
+    )
+    monkeypatch.setattr(wire, "_graph", own)
+    ends = [wire.advertise(TEXT, lambda is_heard: None), wire.listen(LATCHED, lambda data: None)]
+    ends.append(wire.serve(TRIGGER, lambda data, reply: None))
+    assert graph == {(PUBLISHED, "/text"), (SUBSCRIBED, "/latched"), (SERVED, "/trigger")}
+    for end in ends:
+        end.close()
+    assert graph == set()
 
 
 def test_what_the_sdk_logs_is_said_once_without_the_clients_address(caplog):

@@ -138,3 +138,17 @@ def test_a_node_that_does_not_answer_is_left_out(monkeypatch):
     parameters.add(WireEndpoint("/mute/get_parameters", kind, "RIHS01_0", "/mute"), lambda data, reply: None)
     assert parameters.get(["/mute.x"]) == []
     assert parameters.set({"/mute.x": 1}) == ["/mute does not answer"]
+
+
+def test_a_node_that_has_ended_is_not_asked():
+    parameters, asked = FoxgloveParameters(), []
+    services = [
+        WireEndpoint(f"/gone/{name}_parameters", f"rcl_interfaces/srv/{name.title()}Parameters", "", "/gone")
+        for name in ("list", "get")
+    ]
+    for service in services:
+        parameters.add(service, lambda data, reply: asked.append(data))
+    for service in services:
+        parameters.remove(service)
+        parameters.remove(service)
+    assert parameters.get() == parameters.get(["/gone.x"]) == asked == []

@@ -32,14 +32,25 @@ def test_tokens_are_read():
         "@ros2_lv/2/8b20917502ee955ac4476e0266340d5c/0/10/MP/%/%/talker/%chatter/std_msgs::msg::dds_::String_/"
         "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18/::,7:,:,:,,"
     )
-    assert read_token(text) == GraphEntity(PUBLISHER, "/talker", "/chatter", "std_msgs/msg/String", STRING)
+    expected = GraphEntity(PUBLISHER, "/talker", "/chatter", "std_msgs/msg/String", STRING, Qos(depth=7), gid(text))
+    assert read_token(text) == expected
+    assert read_token(text.replace("::,7:", "::,x:")) is None
     node = Node(domain=7, session="12", number=3, name="publisher", namespace="/hall/robot_1")
     assert read_token(node.token()) == GraphEntity("NN", "/hall/robot_1/publisher")
     latched = node.endpoint_token(4, PUBLISHER, "/hall/tf_static", "tf2_msgs/msg/TFMessage", "h", Qos(True, 1))
-    expected = GraphEntity(PUBLISHER, node="/hall/robot_1/publisher", name="/hall/tf_static", latched=True)
-    assert read_token(latched) == replace(expected, type="tf2_msgs/msg/TFMessage", hash="h")
+    expected = GraphEntity(PUBLISHER, node="/hall/robot_1/publisher", name="/hall/tf_static", qos=Qos(True, 1))
+    assert read_token(latched) == replace(expected, type="tf2_msgs/msg/TFMessage", hash="h", gid=gid(latched))
+    assert read_token(latched).latched
     for text in ("@ros2_lv/2/x/0/0/XX/%/%/listener", "@ros2_lv/2", "@ros2_lv/2/x/0/10/MP/%/%/talker/%chatter/T", ""):
         assert read_token(text) is None
+
+
+def test_announced_quality_of_service_is_read():
+    """The numbers are those of rmw/types.h: best effort 2, transient local 1, keep all 2, manual by topic 3."""
+    assert Qos.of("::,:,:,:,,") == Qos(depth=42)
+    every = Qos(True, 0, False, 1_500_000_000, 2_000_000_000, is_manual=True, lease=7)
+    assert Qos.of("2:1:2,3:1,500000000:2,0:3,0,7") == every
+    assert Qos.of(str(Qos(True, 5))) == Qos(True, 5)
 
 
 def test_examples_of_the_design_document():

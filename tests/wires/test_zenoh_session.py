@@ -71,7 +71,7 @@ def test_an_address_that_is_not_this_machines(host):
         open_session(host, free_port())
 
 
-@pytest.mark.parametrize("router", ["host:", ":7447", "host:port", "host:0", "host:70000"])
+@pytest.mark.parametrize("router", ["host:", ":7447", "host:port", "host:0", "host:65536", "host:70000"])
 def test_an_address_that_is_none(router):
     with pytest.raises(InputError, match=r"^'.*' is not the address of a router: write HOST or HOST:PORT"):
         open_session(router=router)

@@ -1,11 +1,15 @@
 """Stand-in for ``rclpy.logging``: lines as ROS prints them, with simulation time."""
 
+import os
 import sys
 from enum import IntEnum
+from types import FrameType
 from typing import Any
 
-from drake_twin.nodes.task import here
+from drake_twin.nodes.task import Task, here
 from drake_twin.program import say
+from drake_twin.twin.event_topics import ROSOUT
+from drake_twin.twin.rosout import put_line
 
 
 class LoggingSeverity(IntEnum):
@@ -27,7 +31,11 @@ class RcutilsLogger:
         self._said: dict[tuple[str, int], int] = {}
 
     def get_child(self, name: str) -> "RcutilsLogger":
-        return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
+        child = RcutilsLogger(f"{self.name}.{name}" if self.name else name)
+        published = _published()
+        if self.name in published:
+            published.add(child.name)
+        return child
 
     def set_level(self, level: int) -> None:
         set_logger_level(self.name, level)
@@ -55,9 +63,7 @@ class RcutilsLogger:
         task = here()
         now = 0 if task is None else task.now
         if once or skip_first or throttle_duration_sec is not None:
-            frame = sys._getframe(1)
-            while frame.f_back is not None and frame.f_code.co_filename == __file__:
-                frame = frame.f_back
+            frame = _caller()
             key = frame.f_code.co_filename, frame.f_lineno
             before = self._said.get(key)
             if before is not None and once:
@@ -72,8 +78,11 @@ class RcutilsLogger:
             ):
                 return False
             self._said[key] = now
-        place = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{self.name if name is None else name}"
+        name = self.name if name is None else name
+        place = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{name}"
         say(f"[{LoggingSeverity(severity).name}] [{place}]: {message}", sys.stderr)
+        if task is not None and name in _published():
+            _publish(task, int(severity), name, str(message))
         return True
 
     def debug(self, message: Any, **options: Any) -> bool:
@@ -99,6 +108,40 @@ def get_logger(name: str) -> RcutilsLogger:
     if not name:
         raise ValueError("Logger name must not be empty.")
     return RcutilsLogger(name)
+
+
+def _caller() -> FrameType:
+    """Return the frame that has called a logger."""
+    frame = sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename == __file__:
+        frame = frame.f_back
+    return frame
+
+
+def _publish(task: Task, level: int, name: str, text: str) -> None:
+    """Publish a line on ``/rosout``."""
+    frame = _caller()
+    place = os.path.abspath(frame.f_code.co_filename), frame.f_code.co_name, frame.f_lineno
+    topic = task.program.rclpy["graph"].twin.graph.events[ROSOUT]
+    put_line(topic, time=task.now * 1e-9, level=level, name=name, text=text, place=place)
+
+
+def _published() -> set[str]:
+    """Return the names of the program's loggers whose lines are published: those of its nodes, and those below them."""
+    task = here()
+    names: set[str] = set() if task is None else task.program.rclpy.setdefault("rosout", set())
+    return names
+
+
+def publish_lines(name: str) -> None:
+    """Publish the lines of a node's logger from now on."""
+    _published().add(name)
+
+
+def end_lines(name: str) -> None:
+    """Publish the lines of a node's logger, and of those below it, no longer."""
+    published = _published()
+    published -= {item for item in published if item == name or item.startswith(f"{name}.")}
 
 
 def _levels() -> dict[str, LoggingSeverity]:

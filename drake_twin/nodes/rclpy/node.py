@@ -11,7 +11,7 @@ from drake_twin.nodes.rclpy.clock import Clock, Jumps, ROSClock
 from drake_twin.nodes.rclpy.context import Context, default_context
 from drake_twin.nodes.rclpy.exceptions import NotInitializedException
 from drake_twin.nodes.rclpy.guard_condition import GuardCondition
-from drake_twin.nodes.rclpy.logging import RcutilsLogger
+from drake_twin.nodes.rclpy.logging import RcutilsLogger, end_lines, publish_lines
 from drake_twin.nodes.rclpy.names import check_namespace, check_node_name, full_name, overrides
 from drake_twin.nodes.rclpy.node_parameters import NodeParameters
 from drake_twin.nodes.rclpy.parameter import Parameter
@@ -25,6 +25,7 @@ from drake_twin.nodes.rclpy.topic_endpoint_info import GraphQueries
 from drake_twin.nodes.task import present_task
 from drake_twin.ros2.launched import remapped
 from drake_twin.ros2.ros_arguments import split_ros_arguments
+from drake_twin.twin.event_topics import PARAMETER_EVENTS
 
 HIDDEN_NODE_PREFIX = "_"
 _Item = TypeVar("_Item")
@@ -65,8 +66,11 @@ class Node(NodeParameters, GraphQueries):
         self.actions: ActionGraph = program.rclpy["actions"]
         given = overrides(self._full, arguments)
         given.update({item.name: item.value for item in parameter_overrides or ()})
-        NodeParameters.__init__(self, given, allow_undeclared_parameters)
+        events = self._graph.twin.graph.events[PARAMETER_EVENTS]
+        NodeParameters.__init__(self, given, allow_undeclared_parameters, events)
         self._logger = RcutilsLogger(self._full.strip("/").replace("/", "."))
+        if enable_rosout and arguments.publishes_log:
+            publish_lines(self._logger.name)
         self._clock = ROSClock()
         self._jumps = Jumps(self._clock)
         self._default_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
@@ -84,8 +88,8 @@ class Node(NodeParameters, GraphQueries):
         if "use_sim_time" in given:
             self.declare_parameter("use_sim_time", True)
         elif not automatically_declare_parameters_from_overrides:
-            self._parameters["use_sim_time"] = Parameter("use_sim_time", value=True)
             self._descriptors["use_sim_time"] = None  # made when it is asked for
+            self._take([Parameter("use_sim_time", value=True)], is_declared=True)
         if automatically_declare_parameters_from_overrides:
             self.declare_parameters("", [(name, value) for name, value in given.items() if name != "use_sim_time"])
         self.add_waitable(self._jumps)
@@ -268,6 +272,7 @@ class Node(NodeParameters, GraphQueries):
     def destroy_node(self) -> None:
         """Take back all that the node has."""
         self._graph.remove_node(self._full)
+        end_lines(self._logger.name)
         for items in (
             self._publishers,
             self._subscriptions,

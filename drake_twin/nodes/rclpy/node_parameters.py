@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from drake_twin.nodes.message_classes import message_class
+from drake_twin.nodes.message_classes import message_class, to_wire
 from drake_twin.nodes.rclpy.exceptions import (
     InvalidParameterException,
     InvalidParameterTypeException,
@@ -13,6 +13,7 @@ from drake_twin.nodes.rclpy.exceptions import (
     ParameterUninitializedException,
 )
 from drake_twin.nodes.rclpy.parameter import Parameter, parameter_value_to_python
+from drake_twin.twin.event_topics import EventTopic
 
 _Result = Any  # rcl_interfaces.msg.SetParametersResult
 
@@ -23,9 +24,11 @@ class NodeParameters:
     Args:
         overrides: Values of the command line and of the program.
         allow_undeclared: Whether undeclared parameters can be read and set.
+        events: ``/parameter_events``.
     """
 
-    def __init__(self, overrides: dict[str, Any], allow_undeclared: bool):
+    def __init__(self, overrides: dict[str, Any], allow_undeclared: bool, events: EventTopic):
+        self._parameter_events = events
         self._overrides, self._allow_undeclared = overrides, allow_undeclared
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, Any] = {}
@@ -82,7 +85,7 @@ class NodeParameters:
         if not result.successful:
             del self._descriptors[name]
             raise InvalidParameterValueException(name, value, result.reason)
-        self._parameters[name] = parameter
+        self._take([parameter], is_declared=True)
         return parameter
 
     def undeclare_parameter(self, name: str) -> None:
@@ -197,10 +200,34 @@ class NodeParameters:
                 return _result(f"Wrong parameter type, expected '{known}' got '{parameter.type_}'")
         result = self._asked(parameters)
         if result.successful:
-            self._parameters |= {parameter.name: parameter for parameter in parameters}
+            self._take(parameters)
             for callback in self._post_set:
                 callback(parameters)
         return result
+
+    def _take(self, parameters: list[Parameter], *, is_declared: bool = False) -> None:
+        """Take new values, and tell of them; one without a type ends its parameter, unless it is being declared."""
+        changes: dict[str, list[Any]] = {"deleted_parameters": [], "new_parameters": [], "changed_parameters": []}
+        for parameter in parameters:
+            if parameter.type_ == Parameter.Type.NOT_SET and not is_declared:
+                self._parameters.pop(parameter.name, None)
+                self._descriptors.pop(parameter.name, None)
+                kind = "deleted_parameters"
+            else:
+                is_new = self.get_parameter_or(parameter.name).type_ == Parameter.Type.NOT_SET
+                self._parameters[parameter.name] = parameter
+                if parameter.name not in self._descriptors:
+                    self._descriptors[parameter.name] = message_class("rcl_interfaces/msg/ParameterDescriptor")(
+                        dynamic_typing=True
+                    )
+                kind = "new_parameters" if is_new else "changed_parameters"
+            if self._parameter_events.is_heard:
+                changes[kind].append(to_wire(parameter.to_parameter_msg()))
+        if self._parameter_events.is_heard:
+            node: Any = self
+            stamp = to_wire(node.get_clock().now().to_msg())
+            fields = {"stamp": stamp, "node": node.get_fully_qualified_name(), **changes}
+            self._parameter_events.put(lambda: fields)
 
     def _asked(self, parameters: list[Parameter]) -> _Result:
         for parameter in parameters:

@@ -1,0 +1,172 @@
+"""Topics that no port of the diagram has: a message comes when something happens, such as a line of a log.
+
+Any thread may publish; subscribers are called in the thread that advances the twin.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from drake_twin.messages.draft import Draft, LaterDraft
+from drake_twin.messages.interface_types import make
+from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
+
+ROSOUT, PARAMETER_EVENTS, DIAGNOSTICS = "/rosout", "/parameter_events", "/diagnostics"
+
+# With the quality of service that rcl, rclpy and diagnostic_updater have for them.
+_ENDPOINTS = (
+    Endpoint(
+        PUBLISHED,
+        ROSOUT,
+        "rcl_interfaces/msg/Log",
+        TWIN_NODE,
+        latched=True,
+        depth=1000,
+        lifespan=10.0,
+        of_all_nodes=True,
+    ),
+    Endpoint(
+        PUBLISHED, PARAMETER_EVENTS, "rcl_interfaces/msg/ParameterEvent", TWIN_NODE, depth=1000, of_all_nodes=True
+    ),
+    Endpoint(PUBLISHED, DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray", TWIN_NODE, rate=1.0, depth=1),
+)
+
+
+class _Subscriber:
+    def __init__(self, callback: Callable[[Any], None], depth: int, *, takes_drafts: bool):
+        self.callback, self.takes_drafts = callback, takes_drafts
+        self.waiting: deque[Draft] = deque(maxlen=depth)
+
+
+class EventTopic:
+    """A topic whose messages are published one by one.
+
+    Args:
+        endpoint: The topic; of a latched one, late subscribers get the last messages.
+        now: Returns the simulation time (s).
+        note: Is called when a message waits for a subscriber.
+
+    Attributes:
+        endpoint: The topic.
+        is_heard: Whether anybody subscribes.
+        followed: Is called with whether anybody subscribes, whenever that changes.
+        report: Returns the fields of the present message, of a topic with a rate; its subscriptions are not here.
+    """
+
+    def __init__(self, endpoint: Endpoint, now: Callable[[], float], note: Callable[[], None]):
+        self.endpoint = endpoint
+        self.is_heard = False
+        self.followed: Callable[[bool], None] = lambda is_heard: None
+        self.report: Callable[[], Mapping[str, Any]] | None = None
+        self._now, self._note = now, note
+        self._subscribers: list[_Subscriber] = []
+        self._kept: deque[tuple[float, Draft]] = deque(maxlen=endpoint.depth if endpoint.latched else 0)
+
+    def put(self, fields: Callable[[], Mapping[str, Any]]) -> None:
+        """Publish a message, from any thread.
+
+        Args:
+            fields: Returns the message's fields, if it is needed, in any thread and at any time.
+        """
+        if not self.is_heard and not self.endpoint.latched:
+            return
+        draft = self._draft(fields)
+        self._kept.append((self._now(), draft))
+        for subscriber in tuple(self._subscribers):
+            subscriber.waiting.append(draft)
+            self._note()
+
+    def subscribe(self, callback: Callable[[Any], None], *, drafts: bool = False) -> Callable[[], None]:
+        """Call back with the messages, first with those that are kept; return a function that ends it."""
+        subscriber = _Subscriber(callback, self.endpoint.depth, takes_drafts=drafts)
+        now, longest = self._now(), self.endpoint.lifespan or float("inf")
+        subscriber.waiting.extend(draft for time, draft in tuple(self._kept) if 0 <= now - time <= longest)
+        if subscriber.waiting:
+            self._note()
+        self._subscribers.append(subscriber)
+        self._follow()
+
+        def end() -> None:
+            if subscriber in self._subscribers:
+                self._subscribers.remove(subscriber)
+                self._follow()
+
+        return end
+
+    def latest(self) -> Any:
+        """Return the present message, or the one that was published last; None where none is kept."""
+        draft = self.present() or (self._kept[-1][1] if self._kept else None)
+        return None if draft is None else draft.message()
+
+    def present(self) -> Draft | None:
+        """Draft the present message of a topic with a rate; None for others."""
+        if self.report is None:
+            return None
+        fields = self.report()
+        return self._draft(lambda: fields)
+
+    def deliver(self) -> None:
+        """Call back with the pending messages."""
+        for subscriber in tuple(self._subscribers):
+            for _ in range(len(subscriber.waiting)):
+                draft = subscriber.waiting.popleft()
+                if subscriber not in self._subscribers:  # it has ended meanwhile
+                    break
+                subscriber.callback(draft if subscriber.takes_drafts else draft.message())
+
+    def close(self) -> None:
+        """End all subscriptions."""
+        self._subscribers.clear()
+        self._follow()
+
+    def _draft(self, fields: Callable[[], Mapping[str, Any]]) -> Draft:
+        return LaterDraft(lambda: make(self.endpoint.type, fields()))
+
+    def _follow(self) -> None:
+        if (is_heard := bool(self._subscribers)) != self.is_heard:
+            self.is_heard = is_heard
+            self.followed(is_heard)
+
+
+class EventTopics(Mapping[str, EventTopic]):
+    """The topics by their names.
+
+    Args:
+        now: Returns the simulation time (s).
+
+    Attributes:
+        is_waiting: Whether a message waits for a subscriber.
+    """
+
+    def __init__(self, now: Callable[[], float]):
+        self.is_waiting = False
+        self._topics = {item.name: EventTopic(item, now, self._note) for item in _ENDPOINTS}
+
+    def __getitem__(self, topic: str) -> EventTopic:
+        return self._topics[topic]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._topics)
+
+    def __len__(self) -> int:
+        return len(self._topics)
+
+    @property
+    def endpoints(self) -> tuple[Endpoint, ...]:
+        """The topics."""
+        return _ENDPOINTS
+
+    def deliver(self) -> None:
+        """Call back with the pending messages, in the thread that advances the twin."""
+        if self.is_waiting:
+            self.is_waiting = False
+            for topic in self._topics.values():
+                topic.deliver()
+
+    def close(self) -> None:
+        """End all subscriptions."""
+        for topic in self._topics.values():
+            topic.close()
+
+    def _note(self) -> None:
+        self.is_waiting = True
