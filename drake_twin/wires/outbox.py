@@ -1,14 +1,16 @@
 """The thread that serializes each message once and gives the same bytes to all wires."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from threading import Event, Thread
 
 from drake_twin.messages.draft import Draft
 from drake_twin.twin.endpoints import Endpoint
 from drake_twin.wires.wire import Sender
 
+_MOMENT = 1e-3  # s of wall time in which messages come that are sent with others
 _MOST_WAITING = 10_000  # messages; more make the simulation wait
 
 
@@ -88,9 +90,10 @@ class Outbox:
                 self._has_room.set()
 
     def _next(self, flushes: set[Callable[[], None]]) -> tuple[OfferedTopic, Draft, float, bool] | Event | None:
-        """Return the next message; while the queue is empty, pending ones are sent."""
-        if self._queue.empty():
-            _flush(flushes)
+        """Return the next message; if none comes for a moment, the pending ones are sent."""
+        with suppress(Empty):
+            return self._queue.get(timeout=_MOMENT if flushes else None)
+        _flush(flushes)
         return self._queue.get()
 
 

@@ -122,7 +122,7 @@ def test_joint_states_come_once_each_while_somebody_listens(twin, network):
     heard = while_running(twin, work)
     stamps = [deserialize("sensor_msgs/msg/JointState", bytes.fromhex(each["data"])).header.stamp for each in heard]
     times = [stamp.sec * 10**9 + stamp.nanosec for stamp in stamps]
-    assert {after - before for before, after in pairwise(times)} == {10_000_000}
+    assert {after - before for before, after in pairwise(times[1:])} == {10_000_000}
 
 
 def test_commands_move_the_robot(twin, network):
