@@ -2,6 +2,7 @@
 
 import pytest
 from conftest import ARM, rovers
+from robots_to_steer import driven_rovers
 
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.snapshot import state, structure
@@ -12,6 +13,16 @@ from drake_twin.cockpit.teleop import Teleop
 def twin():
     with rovers(2).robot("arm", ARM, xyz=(0, -2, 0)).build() as twin:
         yield twin
+
+
+def test_each_robot_has_its_own_drives(tmp_path):
+    with driven_rovers(tmp_path, 2).build() as twin:
+        shown, hidden = (
+            structure(twin, JointCommands(twin), Teleop(twin), only_displayed=only) for only in (False, True)
+        )
+    for robot in shown["robots"]:
+        assert robot["drives"] == [{"topic": f"/{robot['name']}/drive/cmd_vel", "controller": "drive"}]
+    assert [robot["drives"] for robot in hidden["robots"]] == [[], []]
 
 
 def test_each_robot_has_its_own_groups_and_joints(twin):
