@@ -11,7 +11,7 @@ from program_runs import run
 from waiting import until
 from wires.ros_client import while_running
 
-from drake_twin.messages.interface_types import make, serialize
+from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.services.graph import connect
 from drake_twin.wires.rclpy_process import find_rclpy
 from drake_twin.wires.rclpy_wire import RclpyWire
@@ -59,25 +59,37 @@ def test_a_real_node_hears_calls_and_commands():
 
 
 def test_what_the_twin_publishes_does_not_come_back_to_it():
-    kind = "std_msgs/msg/String"
+    endpoint = WireEndpoint("/t", "std_msgs/msg/String", "", "/one")
     wires = [RclpyWire(DOMAIN), RclpyWire(DOMAIN)]
-    heard = [], []
-    try:
-        senders = []
-        for wire, messages in zip(wires, heard, strict=True):
-            wire.listen(WireEndpoint("/t", kind, "", "/one"), messages.append)
-            senders.append(wire.advertise(WireEndpoint("/t", kind, "", "/one"), lambda is_heard: None))
-        until(lambda: all(sender.is_heard for sender in senders))
+    heard, senders = ([], []), []
+
+    def send(text):
         for index, sender in enumerate(senders):
-            for length in range(8):
-                sender.send(serialize(make(kind, {"data": str(index) * length})), 0)
+            sender.send(serialize(make(endpoint.type, {"data": f"{index}{text}"})), 0)
             sender.flush()
-        until(lambda: all(len(messages) == 8 for messages in heard))
+
+    def texts(index, start):
+        return [text for data in heard[index] if (text := deserialize(endpoint.type, data).data)[1] == start]
+
+    def are_connected():
+        send("?")
+        return all(heard)
+
+    try:
+        for wire, messages in zip(wires, heard, strict=True):
+            wire.listen(endpoint, messages.append)
+            senders.append(wire.advertise(endpoint, lambda is_heard: None))
+        until(are_connected)
+        for length in range(1, 5):  # of those of both wires, a subscription keeps ten
+            send("!" * length)
+        until(lambda: all(len(texts(index, "!")) == 4 for index in (0, 1)))
     finally:
         for wire in wires:
             wire.close()
-    for index, messages in enumerate(heard):
-        assert [bytes(data[8:]).count(str(1 - index).encode()) for data in messages] == list(range(8))
+    for index in (0, 1):
+        other = 1 - index
+        assert texts(index, "!") == [f"{other}!", f"{other}!!", f"{other}!!!", f"{other}!!!!"]
+        assert set(texts(index, "?")) == {f"{other}?"}
 
 
 def test_a_second_twin_is_refused():
