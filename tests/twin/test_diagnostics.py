@@ -1,6 +1,5 @@
 """``/diagnostics``: names, levels and texts are those of ros2_control's controller_manager.cpp."""
 
-
 import pytest
 from conftest import rovers
 
