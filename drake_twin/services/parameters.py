@@ -51,7 +51,8 @@ def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
         others: Full names of nodes; those that are no robot's have the time of ``/clock`` alone.
     """
     nodes = {node.name: node for plan in twin.built.plans for node in _nodes(twin, plan)}
-    for other in sorted({*others} - nodes.keys()):
+    of_robots = {f"{plan.robot.topic_namespace}/{item.name}" for plan in twin.built.plans for item in plan.controllers}
+    for other in sorted({*others} - nodes.keys() - of_robots):  # a controller that is not loaded is no node
         nodes[other] = constant_node(other, {})
     for node in nodes.values():
         for name, (kind, answer) in _ANSWERS.items():

@@ -108,7 +108,8 @@ class Stepper:
                 self._advance_once(target)
             if not session.subscriptions.is_caught_up:
                 session.subscriptions.catch_up(clock.step)
-            session.events.deliver()
+            if session.events.is_waiting:
+                session.events.deliver()
             if clock.next_time_step is not None:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:

@@ -25,6 +25,7 @@ def rovers():
 def test_the_rovers_topics_are_what_ros_would_name_them(rovers):
     topics = Twin(rovers.scenario).graph.topics()
     expected = {"/clock", "/tf", "/tf_static", "/model_states", "/link_states"}
+    expected |= {"/rosout", "/parameter_events", "/diagnostics"}
     for name in ("/robot_1", "/robot_2"):
         expected |= {
             f"{name}/joint_states",
