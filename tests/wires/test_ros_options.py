@@ -31,10 +31,10 @@ def options(*words):
         (("--ros", "zenoh", "--ros-port", "1023"), "--ros-port 1023: the router's port must be from 1024 to 65535"),
         (("--ros", "zenoh", "--ros-port", "65536"), "--ros-port 65536"),
         (("--ros", "dds", "--ros-port", "7447"), "--ros-port is not for --ros dds: it needs --ros zenoh"),
-        (("--ros", "rclpy", "--lockstep", "--ros-args", "-r", "a:=b"), None),
+        (("--ros", "rclpy", "--lockstep"), None),
         (("--ros", "--ros-port", "7447"), None),
         (("--ros-port", "7447"), "--ros-port is about the ROS 2 graph: it needs --ros zenoh"),
-        (("--ros", "zenoh", "--ros-args", "-r", "a:=b"), "--ros-args is not for --ros zenoh: it needs --ros rclpy"),
+        (("--ros", "zenoh", "--ros-args", "a:=b"), "--ros-args is not for --ros zenoh: it needs --ros rclpy"),
         (("--ros", "dds", "--lockstep"), "--lockstep is not for --ros dds: it needs --ros zenoh or rclpy"),
     ],
 )
