@@ -145,8 +145,8 @@ def _join(task: Task, real: Callable[..., None], thread: threading.Thread, timeo
     other = next((item for item in task.program.threads if item.thread is thread), None)
     if other is None or other is task:
         real(thread, timeout)
-    else:
-        wait_until(task, lambda: other.has_ended, timeout)
+    elif wait_until(task, lambda: other.has_ended, timeout):
+        real(thread)  # what is left of it is Python's own, and takes no turn
 
 
 def _condition_wait(task: Task, real: Callable[..., bool], condition: Any, timeout: float | None = None) -> bool:
