@@ -217,11 +217,13 @@ def _padded(data: bytes) -> bytes:
 
 def _quality(told: dict[str, Any]) -> Any:
     """Return the quality of service: reliable by default, and kept for late joiners if latched."""
+    from rclpy.duration import Duration
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-    is_latched = told.get("latched", False)
+    lifespan = told.get("lifespan")
     return QoSProfile(
-        depth=told.get("depth", 1 if is_latched else 10),
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE,
+        depth=told["depth"],
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if told.get("latched") else DurabilityPolicy.VOLATILE,
         reliability=ReliabilityPolicy.BEST_EFFORT if told.get("best_effort") else ReliabilityPolicy.RELIABLE,
+        **({} if lifespan is None else {"lifespan": Duration(seconds=lifespan)}),
     )

@@ -103,6 +103,8 @@ class RclpyWire:
             "node": endpoint.node,
             "latched": endpoint.latched,
             "best_effort": endpoint.is_best_effort,
+            "depth": endpoint.kept,
+            "lifespan": endpoint.lifespan,
             "fields": fields,
         }
         self.write(OPEN, end.number, content=json.dumps(told).encode())

@@ -82,7 +82,7 @@ def test_the_double_does_what_the_real_rclpy_did():
 
 def test_fields_are_written_as_rosidls_python_classes_have_them():
     recorded = json.loads((DOUBLE / "recorded_fields.json").read_text("utf-8"))
-    assert len(recorded) == 88
+    assert len(recorded) == 90
     for name, fields in recorded.items():
         assert dict(field_types(name)[name]) == {key: kind.replace(" ", "") for key, kind in fields.items()}, name
 
@@ -97,6 +97,8 @@ def test_nodes_topics_and_services_are_where_they_are_over_dds(twin, network):
         1,
         True,
     )
+    (log,) = network.wait("publisher", "/rosout")
+    assert (log["depth"], log["latched"], log["lifespan"]) == (1000, True, 10 * 10**9)  # as rcl's
     assert network.wait("subscription", COMMANDS)[0]["node"] == "/robot_1/forward_velocity_controller"
     manager = "/robot_1/controller_manager"
     (service,) = network.wait("service", f"{manager}/list_controllers")

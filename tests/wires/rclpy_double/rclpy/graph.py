@@ -74,6 +74,8 @@ class Graph:
             node = f"{end.node.namespace.rstrip('/')}/{end.node.name}"
             depth, latched = (end.quality.depth, end.quality.is_latched) if end.quality else (10, False)
             told = {"name": end.topic, "type": end.type.TYPE, "node": node, "depth": depth, "latched": latched}
+            if end.quality and end.quality.lifespan:
+                told["lifespan"] = end.quality.lifespan.nanoseconds
             self.tell(end.kind, **told)
             self.changed.notify_all()
 

@@ -20,6 +20,6 @@ class ReliabilityPolicy(enum.Enum):
 class QoSProfile:
     """A profile."""
 
-    def __init__(self, *, depth, durability, reliability):
-        self.depth, self.reliability = depth, reliability
+    def __init__(self, *, depth, durability, reliability, lifespan=None):
+        self.depth, self.reliability, self.lifespan = depth, reliability, lifespan
         self.is_latched = durability is DurabilityPolicy.TRANSIENT_LOCAL
