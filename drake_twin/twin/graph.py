@@ -286,10 +286,11 @@ class Graph(Group):
         Raises:
             RunError: If it needs the step to come, and Drake cannot solve it.
         """
-        if (event := self._event(topic)) is not None:
-            return event.present()
         item = self._session.physics.built.published.get(topic)
-        if item is None or (item.controller and not self._is_published(item)):
+        if item is None:
+            event = self._event(topic)
+            return None if event is None else event.present()
+        if item.controller and not self._is_published(item):
             return None
         if item.drafter is None:
             message = self._evaluate(item.port, reading.root_context)
