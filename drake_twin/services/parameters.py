@@ -52,7 +52,7 @@ def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
     """
     nodes = {node.name: node for plan in twin.built.plans for node in _nodes(twin, plan)}
     of_robots = {f"{plan.robot.topic_namespace}/{item.name}" for plan in twin.built.plans for item in plan.controllers}
-    for other in sorted({*others} - nodes.keys() - of_robots):  # a controller that is not loaded is no node
+    for other in sorted({*others} - nodes.keys() - of_robots):  # a controller that is not loaded has none
         nodes[other] = constant_node(other, {})
     for node in nodes.values():
         for name, (kind, answer) in _ANSWERS.items():
