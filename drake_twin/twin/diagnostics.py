@@ -68,8 +68,9 @@ class Diagnostics:
         self._session, self._clock, self._frames = session, clock, frames
         self._last = perf_counter(), session.clock.time
         self._factor: float | None = None
-        self._missed = 0.0
-        session.events[DIAGNOSTICS].report = self.fields
+        topic = session.events[DIAGNOSTICS]
+        topic.report = self.fields
+        self._period = 1.0 / (topic.endpoint.rate or 1.0)
 
     def fields(self) -> dict[str, Any]:
         """Return the fields of the present ``diagnostic_msgs/msg/DiagnosticArray``."""
@@ -78,20 +79,19 @@ class Diagnostics:
         return {"header": header(self._session.clock.time), "status": status}
 
     def _of_simulation(self) -> Status:
-        now, time, missed = perf_counter(), self._session.clock.time, self._frames.missed
+        now, time = perf_counter(), self._session.clock.time
         before, then = self._last
         if now - before >= _SHORTEST:
             self._factor = (time - then) / (now - before) if time >= then else None
             self._last = now, time
         status = Status("drake_twin: Simulation", "drake_twin", "Simulation is running")
-        if missed > self._missed:
+        if 0.0 <= time - self._frames.missed_at <= self._period:
             status.merge(WARN, "Simulation is slower than its real-time rate")
-        self._missed = missed
         if self._factor is not None:
             status.add("real_time_factor", self._factor)
         status.add("real_time_rate", self._clock.real_time_rate)
         status.add("time_step", self._clock.time_step)
-        status.add("missed_time", missed)
+        status.add("missed_time", self._frames.missed)
         return status
 
     def _of_robot(self, control: RobotControl) -> Iterator[Status]:

@@ -3,7 +3,7 @@
 import time as wall_clock
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import floor
+from math import floor, inf
 from typing import Protocol
 
 import numpy as np
@@ -30,12 +30,19 @@ class Frames:
         lockstep: Whether time advances only by requests of steps: `Twin.run` pauses the twin at each frame.
         missed: The simulation time that the wall clock had granted and that was not simulated, as the processor was too
             slow (s).
+        missed_at: The simulation time at which that was so last (s).
     """
 
     callbacks: list[Callable[[], object]] = field(default_factory=list)
     are_running: bool = False
     lockstep: bool = False
     missed: float = 0.0
+    missed_at: float = -inf
+
+    def miss(self, span: float, at: float) -> None:
+        """Take note of simulation time that was granted and is not simulated (s), at a simulation time (s)."""
+        if span > 0.0:
+            self.missed, self.missed_at = self.missed + span, at
 
 
 class Running(Protocol):
@@ -44,6 +51,10 @@ class Running(Protocol):
     inbox: Inbox
     frames: Frames
     clock: TwinClock
+
+    @property
+    def time(self) -> float:
+        """The simulation time (s)."""
 
     def pause(self) -> None:
         """Let time stand still."""
@@ -83,13 +94,13 @@ def _run(
                 steps = min(floor(owed / twin.clock.time_step + 1e-9), _MOST_STEPS_A_FRAME)
                 left = owed - steps * twin.clock.time_step
                 owed = min(left, twin.clock.time_step)
-                twin.frames.missed += left - owed
+                twin.frames.miss(left - owed, twin.time)
                 _advance_by(twin, steps, until)
             if twin.inbox.is_open:
                 twin.inbox.work()
             due, latest = frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND
             if latest > due and not twin.clock.paused:
-                twin.frames.missed += (latest - due) * twin.clock.real_time_rate
+                twin.frames.miss((latest - due) * twin.clock.real_time_rate, twin.time)
             frame_start = max(due, latest)
             _wait_until(twin, frame_start)
     twin.draw()

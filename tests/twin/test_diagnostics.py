@@ -85,6 +85,9 @@ def test_time_that_was_granted_and_not_simulated_is_missed(twin):
     assert float(values["missed_time"]) > 33_323.0
     assert values["real_time_rate"] == "1000000.000000"
     level, message, values = told(twin.latest("/diagnostics"))[SIMULATION]
+    assert level == WARN, "another reader is told the same"
+    twin.advance_to(twin.time + 1.5)
+    level, message, values = told(twin.latest("/diagnostics"))[SIMULATION]
     assert (level, message) == (OK, "Simulation is running")
 
 
