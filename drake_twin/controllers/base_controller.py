@@ -1,7 +1,5 @@
 """The base of all controllers: what they are built from, their claims and their ports."""
 
-import re
-import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -11,14 +9,13 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.older_accessors import with_older_accessors
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value, or_none
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
-
-_ACCESSOR = re.compile(r"get_(\w+)_(input|output)_port")
 
 
 @dataclass(frozen=True)
@@ -84,6 +81,7 @@ class ControllerSetup:
         return f"{self.frame_prefix}{frame_id}" if frame_id in self.description.links else frame_id
 
 
+@with_older_accessors
 class Controller(WitnesslessSystem):
     """Read topics and write command interfaces, as a controller of ros2_control does.
 
@@ -227,19 +225,6 @@ class Controller(WitnesslessSystem):
     def get_command_interfaces_output_port(self) -> OutputPort:
         """Return the port ``command_interfaces``."""
         return self.GetOutputPort("command_interfaces")
-
-    def __getattr__(self, name: str) -> Any:
-        """Return the older accessor of a port, ``get_imu_output_port`` for ``imu``; it warns."""
-        match = _ACCESSOR.fullmatch(name)
-        if match is None or not getattr(self, f"Has{match[2].title()}Port")(match[1]):
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
-
-        def port() -> Any:
-            get = f"Get{match[2].title()}Port"
-            warnings.warn(f"{name}() is an older name of {get}({match[1]!r})", DeprecationWarning, stacklevel=2)
-            return getattr(self, get)(match[1])
-
-        return port
 
     def declare_topic_input(self, topic: str, kind: str) -> InputPort:
         """Declare an input port that holds what `read` made of a topic's last message; None before the first."""

@@ -16,15 +16,15 @@ class Echo(ForwardCommandController):
 
     def __init__(self, setup):
         super().__init__(setup)
-        self.DeclareVectorInputPort("extra", 2)
+        self.DeclareVectorInputPort("spatial", 2)
 
 
 def test_older_accessors_work_and_warn():
     parameters = ForwardCommandParameters(("left",), "velocity")
     claims = ForwardCommandController.claimed_interfaces(parameters, ROBOT)
     dut = Echo(ControllerSetup("dut", parameters, claims, ROBOT, LAYOUT))
-    with pytest.deprecated_call(match=r"older name of GetInputPort\('extra'\)"):
-        assert dut.get_extra_input_port().size() == 2
-    for name in ("get_extra_output_port", "get_nothing_input_port", "nothing"):
+    with pytest.deprecated_call(match=r"older name of GetInputPort\('spatial'\)"):
+        assert dut.get_spatial_input_port().size() == 2
+    for name in ("get_imu_output_port", "get_nothing_input_port", "nothing"):
         with pytest.raises(AttributeError, match=name):
             getattr(dut, name)
