@@ -195,7 +195,7 @@ def way_of_a_step(engine, mass, force):
 
 
 def depths_in_mujoco(size, mass, force):
-    """How deep (m) a wall is entered by what is pushed into it for a second, with MuJoCo's default solref, in each ms."""
+    """How deep (m) a wall is entered by what is pushed into it, in each ms, with MuJoCo's default solref."""
     x, y, z = size
     model = mujoco.MjModel.from_xml_string(f"""<mujoco><option timestep="0.001" integrator="implicitfast"/><worldbody>
 <geom type="plane" size="9 9 1" friction="0.001"/><geom type="box" size="0.05 1 1" pos="1.05 0 0"/>
