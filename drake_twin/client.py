@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from drake_twin.errors import InputError
-from drake_twin.messages.interface_types import deserialize, make, serialize, type_hash, type_names
+from drake_twin.messages.interface_types import deserialize, knows, make, serialize, type_hash, type_names
 from drake_twin.wires.rmw_zenoh_format import NODE, PUBLISHER, SERVICE, SUBSCRIPTION, GraphEntity
 from drake_twin.wires.wire import Closable, WireEndpoint
 from drake_twin.wires.zenoh_client import ZenohClient
@@ -252,9 +252,9 @@ def _checked_type(what: str, name: str, kind: str | None, known: dict[str, str])
         raise InputError(f"unknown {what} {name!r}", value=name, valid=known)
     found = known[name]
     part = "_Request" if what == "service" else ""
-    wanted, names = _full_type(kind or found, "srv" if part else "msg"), type_names()
-    if f"{wanted}{part}" not in names:
-        close = [name.removesuffix(part) for name in get_close_matches(f"{wanted}{part}", names)]
+    wanted = _full_type(kind or found, "srv" if part else "msg")
+    if not knows(f"{wanted}{part}"):
+        close = get_close_matches(wanted, type_names())
         raise InputError(f"the type {wanted} of {name} is not known here", valid=close or None)
     if wanted != found:
         raise InputError(f"the {what} {name} has the type {found}, not {wanted}")

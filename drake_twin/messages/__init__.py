@@ -15,6 +15,7 @@ from typing import Any
 
 from drake_twin.frozen import Frozen
 from drake_twin.messages.definitions import DEFINITIONS
+from drake_twin.messages.interface_texts import interface_names
 from drake_twin.saved import saved
 from drake_twin.values import yaml_number
 
@@ -54,9 +55,17 @@ def type_store() -> Any:
 
 
 @cache
+def base_packages() -> frozenset[str]:
+    """Return the packages that rosbags' store has messages of."""
+    from rosbags.typesys import Stores, get_typestore
+
+    return frozenset(name.partition("/")[0] for name in get_typestore(Stores.ROS2_JAZZY).types)
+
+
+@cache
 def known_types() -> frozenset[str]:
-    """Return the names of ROS 2 Jazzy's message types, with those defined here."""
-    return frozenset((*_jazzy().types, *DEFINITIONS))
+    """Return the names of ROS 2 Jazzy's message types."""
+    return frozenset((*_jazzy().types, *(name for name in interface_names() if "/msg/" in name)))
 
 
 def _store_of(kind: str) -> Any:

@@ -12,9 +12,9 @@ from typing import Any
 
 import yaml
 
-from drake_twin.messages import DEFAULTS, EMPTY, field_value, message, type_store
+from drake_twin.messages import DEFAULTS, EMPTY, base_packages, field_value, message, type_store
 from drake_twin.messages.definitions import DEFINITIONS
-from drake_twin.messages.package_definitions import PACKAGES
+from drake_twin.messages.interface_texts import interface_names, interface_text
 
 _FIELD_WITH_DEFAULT = re.compile(r"\s*(?P<type>[\w/]\S*)\s+(?P<name>\w+)\s+(?P<value>[^\s=#].*)")
 _MESSAGE_OF_PACKAGES = re.compile(r"^(\w+)/(\w+)(?=\S* )", re.MULTILINE)
@@ -28,6 +28,11 @@ _WITH_CHAR = {
     "std_msgs/msg/Char": "char data\n",
     "rmw_dds_common/msg/Gid": "char[16] data\n",
 }
+# Packages whose types the twin sends and answers with, beside those of rosbags' store.
+_OF_THE_TWIN = (
+    *("ackermann_msgs", "actuator_msgs", "control_msgs", "controller_manager_msgs", "gazebo_msgs", "ros_gz_interfaces"),
+    *("simulation_interfaces", "std_srvs", "topic_tools_interfaces"),
+)
 _CHAR = re.compile(r"^\s*char\b", re.MULTILINE)
 
 
@@ -50,10 +55,8 @@ def definition(name: str) -> str:
 
 
 def type_names() -> list[str]:
-    """Return the names of all known messages, requests and responses among them, sorted."""
-    for name in PACKAGES:
-        _load(name)
-    return sorted(_store().types)
+    """Return the names of all known messages, services and actions, sorted; not all of their parts."""
+    return sorted({*_store().fielddefs, *interface_names()})
 
 
 def make(name: str, data: Any) -> Any:
@@ -69,8 +72,19 @@ def make(name: str, data: Any) -> Any:
 def knows(name: str) -> bool:
     """Return whether a message, service or action is known."""
     _load(name)
-    store = _store()
-    return name in store.fielddefs or f"{name}_Goal" in store.fielddefs
+    return _is_registered(name)
+
+
+def is_settled(name: str) -> bool:
+    """Return whether a message, service or action is used already or by the twin itself: files of it come too late."""
+    if is_of_the_twin(name.partition("/")[0]):
+        _load(name)
+    return _is_registered(name)
+
+
+def is_of_the_twin(package: str) -> bool:
+    """Return whether the twin itself uses types of a package, which do not depend on files of a workspace."""
+    return package in _OF_THE_TWIN or package in base_packages()
 
 
 def known_names(package: str, kind: str) -> list[str]:
@@ -81,12 +95,12 @@ def known_names(package: str, kind: str) -> list[str]:
         names = [name.removesuffix("_Goal") for name in names if name.endswith("_Goal")]
     elif kind == "srv":
         names = [name for name in names if f"{name}_Request" in names]
-    return sorted({*names, *(name.removeprefix(start) for name in PACKAGES if name.startswith(start))})
+    return sorted({*names, *(name.removeprefix(start) for name in interface_names() if name.startswith(start))})
 
 
 def known_packages() -> frozenset[str]:
     """Return the packages that have a type."""
-    return frozenset(name.partition("/")[0] for name in (*_store().fielddefs, *PACKAGES))
+    return frozenset(name.partition("/")[0] for name in (*_store().fielddefs, *interface_names()))
 
 
 def class_of(name: str) -> Any:
@@ -213,18 +227,22 @@ def add_definition(name: str, text: str) -> None:
     Raises:
         ValueError: If the text is not one of such a type.
     """
-    if name not in PACKAGES:
+    if not _is_registered(name):
         _add(name, text)
 
 
+def _is_registered(name: str) -> bool:
+    store = _store()
+    return name in store.fielddefs or f"{name}_Goal" in store.fielddefs
+
+
 def _load(name: str) -> None:
-    """Register a type of ``PACKAGES``, or the type that a request, a result or the like is of, and those in it."""
-    while name not in PACKAGES:
+    """Register a type of the data, or the type that a request, a result or the like is of, and those in it."""
+    while (text := interface_text(name)) is None:
         name, part, _ = name.rpartition("_")
         if not part:
             return
-    store, text = _store(), PACKAGES[name]
-    if name in store.fielddefs or f"{name}_Goal" in store.fielddefs:
+    if _is_registered(name):
         return
     for package, own in _MESSAGE_OF_PACKAGES.findall(text):
         _load(f"{package}/msg/{own}")

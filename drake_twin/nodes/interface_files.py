@@ -19,7 +19,8 @@ _log = logging.getLogger(__name__)
 class InterfaceFiles:
     """The types that the packages of a workspace define.
 
-    Types that drake_twin knows itself are never read from files; a file that defines one differently is warned about.
+    They count before those that drake_twin knows, but for types that the twin itself uses: a file that defines one of
+    these differently is warned about.
 
     Args:
         folder_of: Returns the share folder of a package, as it looks once installed; None without one.
@@ -47,7 +48,7 @@ class InterfaceFiles:
                 of this process has defined the type differently.
         """
         file = self._file(name)
-        own = interface_types.knows(name) and name not in _added
+        own = name not in _added and interface_types.is_settled(name)
         if file is None or (own and name in self._compared):
             return
         self._compared.add(name)

@@ -73,7 +73,10 @@ class Interfaces:
         return self._file(name, [each for each in names if module_name(f"{package}/{kind}/{each}") == name])
 
     def _names(self, package: str, kind: str) -> list[str]:
-        return sorted({*interface_types.known_names(package, kind), *self._files.names(package, kind)})
+        names = self._files.names(package, kind)
+        if names and not interface_types.is_of_the_twin(package):
+            return names
+        return sorted({*interface_types.known_names(package, kind), *names})
 
     def _package(self, name: str) -> ModuleType | None:
         if name not in self._own and (

@@ -1,6 +1,7 @@
 """Message packages as modules: drake_twin's own and a workspace's."""
 
 import importlib.util
+import subprocess
 import sys
 from importlib.abc import Loader, MetaPathFinder
 
@@ -204,3 +205,39 @@ def test_drake_twins_own_definition_counts(tmp_path, caplog):
     assert module.Own().point == message_class("geometry_msgs/msg/Point")()
     assert module.Point is message_class("geometry_msgs/msg/Point")
     assert caplog.text.count("drake_twin has geometry_msgs/msg/Point with other fields, which count") == 1
+
+
+def test_a_workspaces_own_version_of_a_package_counts(tmp_path):
+    """Nav2, MoveIt and the like are built from source, too, in other versions than Jazzy's. Types are a process's."""
+    texts = {"GeoPoint": "float32 latitude\n", "GeoPath": "GeoPoint[] points\n"}
+    package = write_package(tmp_path, "geographic_msgs", msg=texts)
+    script = f"""
+from pathlib import Path
+from drake_twin.nodes.interfaces import Interfaces
+module = Interfaces({{"geographic_msgs": Path({str(package)!r})}}.get).source("geographic_msgs.msg")
+print(module.GeoPath.get_fields_and_field_types(), module.GeoPoint.get_fields_and_field_types(), module.__all__)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    assert done.stdout == (
+        "{'points': 'sequence<geographic_msgs/GeoPoint>'} {'latitude': 'float'} ['GeoPath', 'GeoPoint']\n"
+    )
+    assert "BoundingBox" in Interfaces().source("geographic_msgs.msg").__all__
+
+
+def test_a_workspaces_version_that_comes_too_late(tmp_path, caplog):
+    """The types are those of the whole process, and messages of them may be under way."""
+    Interfaces().find("polygon_msgs/msg/Point2D")
+    package = write_package(tmp_path, "polygon_msgs", msg={"Point2D": "float32 x\n"})
+    found = Interfaces(folder_of(package)).find("polygon_msgs/msg/Point2D")
+    assert found.get_fields_and_field_types() == {"x": "double", "y": "double"}
+    assert "drake_twin has polygon_msgs/msg/Point2D with other fields, which count" in caplog.text
+
+
+def test_modules_of_nav2_and_moveit():
+    source = Interfaces().source
+    goal = source("nav2_msgs.action").NavigateToPose.Goal(behavior_tree="tree.xml")
+    assert goal.get_fields_and_field_types() == {"pose": "geometry_msgs/PoseStamped", "behavior_tree": "string"}
+    assert source("moveit_msgs.msg").MoveItErrorCodes.PLANNING_FAILED == -1
+    assert source("geographic_msgs.msg").GeoPoint(latitude=47.5).latitude == 47.5
+    assert source("vision_msgs.msg").Detection2DArray().detections == []
