@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from drake_twin.messages.interface_types import make, serialize
+from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.wire import LARGEST, WireEndpoint
 
@@ -24,9 +25,11 @@ class Followed(Protocol):
 
     Attributes:
         is_clock: Whether it is followed while any client subscribes to anything.
+        is_of_parameters: Whether it is followed while any client subscribes to parameters.
     """
 
     is_clock: bool
+    is_of_parameters: bool
 
     def follow(self, *, joined: bool) -> None:
         """Follow a client that has come or gone."""
@@ -44,10 +47,12 @@ class FoxgloveClients:
         joined: Called for a client that joins others.
         parameters: What clients read, and set if they may command.
         watched: Called with whether any client watches the connection graph.
+        own: The client that lets the server publish parameters.
         control: Whether clients may command.
 
     Attributes:
         heard: Topic → its endpoint and what hears its messages.
+        follow_parameters: Whether any client subscribes to parameters.
         lock: Guards the subscribers. The server is not called with it held, for it calls back with locks of its own.
     """
 
@@ -56,16 +61,19 @@ class FoxgloveClients:
         joined: Callable[[], None],
         parameters: FoxgloveParameters,
         watched: Callable[[bool], None],
+        own: FoxgloveOwnClient,
         *,
         control: bool,
     ):
-        self._joined, self._watched = joined, watched
+        self._joined, self._watched, self._own = joined, watched, own
         self._parameters, self._control = parameters, control
         self.lock = threading.Lock()
         self._senders: dict[int, Followed] = {}
         self._subscribers: dict[int, set[int]] = {}  # channel → clients
         self.heard: dict[str, tuple[WireEndpoint, Callable[[bytes], None]]] = {}
         self._channels: dict[tuple[int, int], Any] = {}
+        self._parameter_names: set[str] = set()
+        self.follow_parameters = False
         self._logged: set[tuple[str, str]] = set()
 
     @property
@@ -158,6 +166,8 @@ class FoxgloveClients:
         self, client: Any, parameters: "Sequence[Parameter]", request_id: str | None = None
     ) -> "list[Parameter]":
         """A client sets parameters: return what they are now."""
+        if request_id == self._own.request:
+            return self._own.take()
         values = {item.name: item.get_value() for item in parameters}
         if self._control:
             for reason in self._parameters.set(values):
@@ -165,6 +175,14 @@ class FoxgloveClients:
         else:
             self.log("a parameter is not set", "--foxglove-control lets clients command", "control")
         return self._parameters.get(values) if values else []
+
+    def on_parameters_subscribe(self, param_names: Sequence[str]) -> None:
+        """Clients subscribe to parameters that none subscribed to."""
+        self._follow_parameters(self._parameter_names.union(param_names))
+
+    def on_parameters_unsubscribe(self, param_names: Sequence[str]) -> None:
+        """No client subscribes to these parameters any more."""
+        self._follow_parameters(self._parameter_names.difference(param_names))
 
     def on_connection_graph_subscribe(self) -> None:
         """The first client watches the connection graph."""
@@ -178,6 +196,12 @@ class FoxgloveClients:
         if name.startswith("on_"):  # what clients do beside it is of no interest
             return lambda *_: None
         raise AttributeError(name)
+
+    def _follow_parameters(self, names: set[str]) -> None:
+        self._parameter_names, self.follow_parameters = names, bool(names)  # the server calls with a lock of its own
+        for sender in self.senders():
+            if sender.is_of_parameters:
+                sender.follow(joined=False)
 
     def _follow(self, channel: int, *, joined: bool) -> None:
         for number, sender in tuple(self._senders.items()):

@@ -14,7 +14,8 @@ from drake_twin.requirements import missing
 from drake_twin.wires.foxglove_clients import CDR, JSON, FoxgloveClients
 from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, FoxgloveGraph
 from drake_twin.wires.foxglove_log import log_causes_once
-from drake_twin.wires.foxglove_parameters import FoxgloveParameters
+from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
+from drake_twin.wires.foxglove_parameters import EVENT, FoxgloveParameters
 from drake_twin.wires.foxglove_service import FoxgloveService
 from drake_twin.wires.wire import Closable, Nothing, Reply, Sender, WireEndpoint
 
@@ -63,7 +64,8 @@ class FoxgloveWire:
         self._graph = FoxgloveGraph(lambda graph: self._server.publish_connection_graph(graph))
         self._parameters = FoxgloveParameters()
         watched = self._graph.watch
-        self._clients = FoxgloveClients(self._join, self._parameters, watched, control=control)
+        self._own_client = own = FoxgloveOwnClient()
+        self._clients = FoxgloveClients(self._join, self._parameters, watched, own, control=control)
         self._control = control
         self._latest = self._told = -1
         self._servers: set[FoxgloveService] = set()
@@ -178,6 +180,11 @@ class FoxgloveWire:
             self._server.broadcast_time(now)
         self._latest = now
 
+    def tell_parameters(self, data: bytes) -> None:
+        """Tell clients of the parameters that an event (CDR) has changed."""
+        if parameters := self._parameters.changed(data):
+            self._own_client.publish(parameters, *self._address)
+
     def _join(self) -> None:
         """Tell a client that joins the time: the twin may be paused."""
         if self._latest >= 0:
@@ -191,11 +198,14 @@ def _is_free(host: str, port: int) -> bool:
 
 
 class _Sender:
-    """Sends the messages of a topic; the clock's are also sent as the time of all clients.
+    """Sends the messages of a topic.
+
+    The clock's are also sent as the time of all clients, and events of parameters as the values of these.
 
     Attributes:
         is_heard: Whether a client subscribes; always true for a topic whose message is kept for late joiners.
         is_clock: Whether the topic is the clock, which is followed while any client subscribes to anything.
+        is_of_parameters: Whether it tells of changed parameters, which is followed while any client subscribes to some.
     """
 
     def __init__(
@@ -203,7 +213,7 @@ class _Sender:
     ):
         self._is_latched = topic.latched and topic.kept == 1  # a log is not sent again to those that have it
         self.is_heard = self._is_latched
-        self.is_clock = topic.type == _CLOCK
+        self.is_clock, self.is_of_parameters = topic.type == _CLOCK, topic.type == EVENT
         self._wire, self._clients, self._topic, self._listened = wire, clients, topic, listened
         self._kept: tuple[bytes, int] | None = None
         self._is_closed = False
@@ -216,12 +226,15 @@ class _Sender:
             self._kept = data, at
         if self._clients.have(self._number):
             self._channel.log(data, log_time=at)
+        if self.is_of_parameters and self._clients.follow_parameters:
+            self._wire.tell_parameters(data)
 
     def follow(self, *, joined: bool) -> None:
         """Follow a client that has come or gone, in one of the server's threads."""
         clients = self._clients
         with clients.lock:
             is_heard = self._is_latched or (clients.are_there if self.is_clock else clients.have(self._number))
+            is_heard = is_heard or (self.is_of_parameters and clients.follow_parameters)
             has_changed, self.is_heard = is_heard != self.is_heard, is_heard
         if has_changed:
             self._listened(is_heard)
