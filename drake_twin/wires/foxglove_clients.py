@@ -1,14 +1,15 @@
 """What clients of Foxglove do: whom they listen to, what they publish, and which parameters they ask for."""
 
-import json
 import logging
 import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from drake_twin.messages.interface_types import make, serialize
+from drake_twin.messages.interface_types import serialize
+from drake_twin.messages.json_messages import from_json
 from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
+from drake_twin.wires.foxglove_service import CDR, JSON
 from drake_twin.wires.wire import LARGEST, WireEndpoint
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 _MOST_LINES = 100  # of the log
 _MOST_CHANNELS = 1000  # that clients may offer at the same time
-CDR, JSON = "cdr", "json"
 
 
 class Followed(Protocol):
@@ -150,8 +150,8 @@ class FoxgloveClients:
             return
         if channel.encoding == JSON:
             try:
-                data = serialize(make(topic.type, json.loads(data)))
-            except (ValueError, RecursionError) as error:  # a UnicodeDecodeError, too
+                data = serialize(from_json(topic.type, data))
+            except ValueError as error:  # a UnicodeDecodeError, too
                 self.log(topic.name, f"a message is not a {topic.type}: {error}", "decoding")
                 return
         heard(data)

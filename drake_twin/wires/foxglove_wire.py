@@ -9,14 +9,13 @@ from typing import Any
 from uuid import uuid4
 
 from drake_twin.errors import InputError
-from drake_twin.messages.interface_types import definition
 from drake_twin.requirements import missing
-from drake_twin.wires.foxglove_clients import CDR, JSON, FoxgloveClients
+from drake_twin.wires.foxglove_clients import FoxgloveClients
 from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, FoxgloveGraph
 from drake_twin.wires.foxglove_log import log_causes_once
 from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import EVENT, FoxgloveParameters
-from drake_twin.wires.foxglove_service import FoxgloveService
+from drake_twin.wires.foxglove_service import CDR, JSON, FoxgloveService
 from drake_twin.wires.wire import Closable, Nothing, Reply, Sender, WireEndpoint
 
 PORT = 8765
@@ -119,24 +118,21 @@ class FoxgloveWire:
         return ends
 
     def _offer(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
-        """Let clients call a service."""
-        from foxglove import Schema
-        from foxglove.websocket import MessageSchema, Service, ServiceSchema
+        """Let clients call a service in CDR, and in JSON by its name with ``.json``, which no name in ROS ends with.
 
-        def schema(part: str) -> MessageSchema:
-            name = f"{service.type}_{part}"
-            text = Schema(name=name, encoding="ros2msg", data=definition(name).encode())
-            return MessageSchema(encoding=CDR, schema=text)
+        The protocol has one encoding for each service.
+        """
+        ends = contextlib.ExitStack()
+        for name, encoding in ((service.name, CDR), (f"{service.name}.{JSON}", JSON)):
+            server = FoxgloveService(name, service.type, encoding, answer, self._end)
+            self._servers.add(server)
+            self._server.add_services([server.offer()])
+            ends.callback(server.close)
+        return ends
 
-        def end(server: FoxgloveService) -> None:
-            self._servers.discard(server)
-            self._server.remove_services([service.name])
-
-        server = FoxgloveService(service.name, answer, end)
-        self._servers.add(server)
-        parts = ServiceSchema(service.type, request=schema("Request"), response=schema("Response"))
-        self._server.add_services([Service(service.name, schema=parts, handler=server.handle)])
-        return server
+    def _end(self, server: FoxgloveService) -> None:
+        self._servers.discard(server)
+        self._server.remove_services([server.name])
 
     def _is_readable(self, endpoint: WireEndpoint) -> bool:
         """Tell whether clients can read a type: it is known, and not made of an action's parts, which have no text."""

@@ -41,7 +41,8 @@ client.on("message", ({ subscriptionId, timestamp, data }) => {
   const message = new MessageReader(schema(text)).readMessage(data);
   tell({ event: "message", topic, time: String(timestamp), message, data: base64(data) });
 });
-client.on("serviceCallResponse", ({ callId, data }) => {
+client.on("serviceCallResponse", ({ callId, encoding, data }) => {
+  if (encoding === "json") return tell({ event: "response", callId, message: JSON.parse(Buffer.from(data.buffer, data.byteOffset, data.byteLength)) });
   const reader = new MessageReader(schema(calls.get(callId).response.schema));
   tell({ event: "response", callId, message: reader.readMessage(data) });
 });
@@ -81,7 +82,8 @@ const actions = {
   parseAll: () => {
     const offered = [...services.values()];
     const texts = [...channels.values(), ...offered.flatMap(({ request, response }) => [request, response])];
-    texts.forEach((item) => schema(item.schema));
+    const json = ({ schemaEncoding }) => schemaEncoding === "jsonschema";
+    texts.forEach((item) => (json(item) ? JSON.parse(item.schema) : schema(item.schema)));
     tell({ event: "parsed", channels: [...channels.values()].map((item) => item.topic), services: offered.map((item) => item.name) });
   },
   advertise: ({ topic, encoding, schemaName }) =>
@@ -89,7 +91,8 @@ const actions = {
   publish: ({ channel, data }) => client.sendMessage(channel, Buffer.from(data, "base64")),
   call: ({ service, callId, request, encoding, data }) => {
     const offered = [...services.values()].filter((item) => item.name === service).pop();
-    const bytes = data ? Buffer.from(data, "base64") : new MessageWriter(schema(offered.request.schema)).writeMessage(request);
+    const text = encoding === "json" && Buffer.from(JSON.stringify(request));
+    const bytes = data ? Buffer.from(data, "base64") : text || new MessageWriter(schema(offered.request.schema)).writeMessage(request);
     calls.set(callId, offered);
     client.sendServiceCallRequest({ serviceId: offered.id, callId, encoding, data: bytes });
   },

@@ -126,7 +126,7 @@ def test_a_service_that_ends_fails_the_requests_that_wait(wire):
     """As when its robot is deleted while they wait."""
     asked = []
     offered = wire.serve(TRIGGER, lambda data, reply: asked.append(reply))
-    (server,) = wire._servers
+    (server,) = (item for item in wire._servers if item.name == "/trigger")
     request = SimpleNamespace(payload=b"request")
     with ThreadPoolExecutor(2) as threads:
         waiting = threads.submit(server.handle, request)

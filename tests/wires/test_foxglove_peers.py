@@ -274,6 +274,33 @@ def test_services_answer_while_the_twin_runs_and_while_it_is_paused(shown):
 
 
 @controlled
+def test_services_in_json_are_those_in_cdr(shown):
+    def call(peer):
+        state = peer.channel("/tf") and peer.call("/drake_twin/get_entity_state", {"entity": "robot_2"})
+        other = peer.call("/drake_twin/get_entity_state.json", {"entity": "robot_2"}, encoding="json")
+        with pytest.raises(RuntimeError, match="entityy"):
+            peer.call("/drake_twin/get_entity_state.json", {"entityy": "robot_2"}, encoding="json")
+        with pytest.raises(RuntimeError, match="Expecting property name"):
+            peer.call("/drake_twin/get_entity_state.json", data=b"{", encoding="json")
+        (offered,) = (
+            item
+            for told in peer.all("advertiseServices")
+            for item in told["services"]
+            if item["name"] == "/drake_twin/get_entity_state.json"
+        )
+        return state, other, offered
+
+    shown.twin.pause()
+    state, other, offered = shown.run(call)
+    assert other == state
+    assert state["state"]["pose"]["position"]["y"] == pytest.approx(shown.twin.robot_state("robot_2").base_pose[1])
+    schema = json.loads(offered["request"]["schema"])
+    assert schema["properties"] == {"entity": {"type": "string"}}
+    pose = json.loads(offered["response"]["schema"])["properties"]["state"]["properties"]["pose"]
+    assert pose["properties"]["position"]["properties"] == {axis: {"type": "number"} for axis in "xyz"}
+
+
+@controlled
 def test_a_spawn_brings_channels_and_a_delete_takes_them_away(shown):
     def change(peer):
         pose = {"pose": {"position": {"x": -3.0, "z": 0.13}}}
