@@ -13,7 +13,7 @@ from drake_twin.wires.foxglove_service import CDR, JSON
 from drake_twin.wires.wire import LARGEST, WireEndpoint
 
 if TYPE_CHECKING:
-    from foxglove.websocket import Parameter
+    from foxglove.websocket import Parameter, PlaybackState
 
 _log = logging.getLogger(__name__)
 _MOST_LINES = 100  # of the log
@@ -53,6 +53,7 @@ class FoxgloveClients:
     Attributes:
         heard: Topic → its endpoint and what hears its messages.
         follow_parameters: Whether any client subscribes to parameters.
+        control_time: Does a client's request to control the time, and returns the state of the time then.
         lock: Guards the subscribers. The server is not called with it held, for it calls back with locks of its own.
     """
 
@@ -74,6 +75,7 @@ class FoxgloveClients:
         self._channels: dict[tuple[int, int], Any] = {}
         self._parameter_names: set[str] = set()
         self.follow_parameters = False
+        self.control_time: Callable[[Any], PlaybackState | None] = lambda request: None
         self._logged: set[tuple[str, str]] = set()
 
     @property
@@ -183,6 +185,10 @@ class FoxgloveClients:
     def on_parameters_unsubscribe(self, param_names: Sequence[str]) -> None:
         """No client subscribes to these parameters any more."""
         self._follow_parameters(self._parameter_names.difference(param_names))
+
+    def on_playback_control_request(self, playback_control_request: Any) -> "PlaybackState | None":
+        """A client controls the time."""
+        return self.control_time(playback_control_request)
 
     def on_connection_graph_subscribe(self) -> None:
         """The first client watches the connection graph."""

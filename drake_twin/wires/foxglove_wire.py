@@ -10,12 +10,14 @@ from uuid import uuid4
 
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
+from drake_twin.twin.twin import Twin
 from drake_twin.wires.foxglove_clients import FoxgloveClients
 from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, FoxgloveGraph
 from drake_twin.wires.foxglove_log import log_causes_once
 from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import EVENT, FoxgloveParameters
 from drake_twin.wires.foxglove_service import CDR, JSON, FoxgloveService
+from drake_twin.wires.foxglove_time import END, FoxgloveTime
 from drake_twin.wires.wire import Closable, Nothing, Reply, Sender, WireEndpoint
 
 PORT = 8765
@@ -34,7 +36,8 @@ class FoxgloveWire:
     Args:
         host: The address to listen on.
         port: The port; 0 for any free one.
-        control: Whether clients may publish commands and call services.
+        control: Whether clients may publish commands, call services and control the time.
+        end: The end of the time line on which clients control the time (s).
         asset: Returns the content of a file by its address, or None. It is called in other threads.
 
     Attributes:
@@ -50,6 +53,7 @@ class FoxgloveWire:
         port: int = PORT,
         *,
         control: bool = False,
+        end: float = END,
         asset: Callable[[str], bytes | None] = lambda address: None,
     ):
         try:
@@ -68,6 +72,7 @@ class FoxgloveWire:
         self._control = control
         self._latest = self._told = -1
         self._servers: set[FoxgloveService] = set()
+        self._time: FoxgloveTime | None = None
         log_causes_once()
         try:
             self._server = foxglove.start_server(
@@ -81,12 +86,19 @@ class FoxgloveWire:
                 context=self._context,
                 session_id=uuid4().hex,
                 message_backlog_size=_MOST_WAITING,
+                playback_time_range=(0, round(end * 1e9)) if control else None,
             )
         except (RuntimeError, OSError, ValueError) as error:
             reason = str(error).rpartition("Failed to bind port: ")[2].partition(" (os error")[0]
             raise InputError(f"--foxglove: {host}:{port} cannot be opened: {reason}") from None
         self._address = host, self._server.port
         self.place = f"ws://{host}:{self._server.port}"
+
+    def attach(self, twin: Twin) -> None:
+        """Let clients control the time of a twin, if they may command."""
+        if self._control:
+            self._time = FoxgloveTime(twin, self._server.broadcast_playback_state)
+            self._clients.control_time = self._time.request
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
@@ -143,6 +155,8 @@ class FoxgloveWire:
     def close(self) -> None:
         """Stop the server; requests that wait for a response fail."""
         self._graph.close()
+        if self._time is not None:
+            self._time.close()
         for server in tuple(self._servers):
             server.close()
         self._server.stop()

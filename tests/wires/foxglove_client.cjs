@@ -53,6 +53,25 @@ client.on("fetchAssetResponse", (asset) =>
   tell({ event: "asset", requestId: asset.requestId, text: asset.error, data: asset.data && base64(asset.data) }),
 );
 
+// Play, pause and speed: the newest part of the protocol, which this client's package does not know.
+const STATUS = ["playing", "paused", "buffering", "ended"];
+socket.on("message", (bytes, isBinary) => {
+  const data = Buffer.from(bytes);
+  if (!isBinary || data[0] !== 5) return;
+  const [status, time, speed, seeked] = [STATUS[data[1]], data.readBigUInt64LE(2), data.readFloatLE(10), data[14] !== 0];
+  tell({ event: "playback", status, time, speed, seeked, id: data.toString("utf8", 19) });
+});
+const playback = ({ play, speed, seek, id }) => {
+  const bytes = Buffer.alloc(19);
+  bytes.writeUInt8(3, 0);
+  bytes.writeUInt8(play ? 0 : 1, 1);
+  bytes.writeFloatLE(speed, 2);
+  bytes.writeUInt8(seek === undefined ? 0 : 1, 6);
+  bytes.writeBigUInt64LE(BigInt(seek ?? 0), 7);
+  bytes.writeUInt32LE(Buffer.byteLength(id), 15);
+  socket.send(Buffer.concat([bytes, Buffer.from(id)]));
+};
+
 // Another client that subscribes, advertises, calls, and is gone without a word once it has a message.
 const joinAndLeave = (topic, service) =>
   new Promise((resolve) => {
@@ -101,6 +120,7 @@ const actions = {
   setParameters: ({ parameters, id }) => client.setParameters(parameters, id),
   subscribeParameters: ({ names }) => client.subscribeParameterUpdates(names),
   unsubscribeParameters: ({ names }) => client.unsubscribeParameterUpdates(names),
+  playback,
   watchGraph: () => client.subscribeConnectionGraph(),
   raw: ({ data, text }) => socket.send(text ?? Buffer.from(data, "base64")),
   publishZeros: ({ channel, size }) => client.sendMessage(channel, Buffer.alloc(size)),
