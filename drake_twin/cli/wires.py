@@ -55,7 +55,8 @@ class Wires:
             for kind, wire in zip(self._kinds, self._wires, strict=True):
                 kind.look_around(wire, twin)
         self._assets = Assets(twin)
-        for kind in self._kinds:
+        for kind, wire in zip(self._kinds, self._wires, strict=True):
+            kind.attach(wire, twin)
             kind.connected(self._options, twin)
         self._seam = connect(twin, self._wires, nodes)
 

@@ -1,22 +1,23 @@
 """What clients of Foxglove do: whom they listen to, what they publish, and which parameters they ask for."""
 
-import json
 import logging
 import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from drake_twin.messages.interface_types import make, serialize
+from drake_twin.messages.interface_types import serialize
+from drake_twin.messages.json_messages import from_json
+from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
+from drake_twin.wires.foxglove_service import CDR, JSON
 from drake_twin.wires.wire import LARGEST, WireEndpoint
 
 if TYPE_CHECKING:
-    from foxglove.websocket import Parameter
+    from foxglove.websocket import Parameter, PlaybackState
 
 _log = logging.getLogger(__name__)
 _MOST_LINES = 100  # of the log
 _MOST_CHANNELS = 1000  # that clients may offer at the same time
-CDR, JSON = "cdr", "json"
 
 
 class Followed(Protocol):
@@ -24,9 +25,11 @@ class Followed(Protocol):
 
     Attributes:
         is_clock: Whether it is followed while any client subscribes to anything.
+        is_of_parameters: Whether it is followed while any client subscribes to parameters.
     """
 
     is_clock: bool
+    is_of_parameters: bool
 
     def follow(self, *, joined: bool) -> None:
         """Follow a client that has come or gone."""
@@ -44,10 +47,13 @@ class FoxgloveClients:
         joined: Called for a client that joins others.
         parameters: What clients read, and set if they may command.
         watched: Called with whether any client watches the connection graph.
+        own: The client that lets the server publish parameters.
         control: Whether clients may command.
 
     Attributes:
         heard: Topic → its endpoint and what hears its messages.
+        follow_parameters: Whether any client subscribes to parameters.
+        control_time: Does a client's request to control the time, and returns the state of the time then.
         lock: Guards the subscribers. The server is not called with it held, for it calls back with locks of its own.
     """
 
@@ -56,16 +62,20 @@ class FoxgloveClients:
         joined: Callable[[], None],
         parameters: FoxgloveParameters,
         watched: Callable[[bool], None],
+        own: FoxgloveOwnClient,
         *,
         control: bool,
     ):
-        self._joined, self._watched = joined, watched
+        self._joined, self._watched, self._own = joined, watched, own
         self._parameters, self._control = parameters, control
         self.lock = threading.Lock()
         self._senders: dict[int, Followed] = {}
         self._subscribers: dict[int, set[int]] = {}  # channel → clients
         self.heard: dict[str, tuple[WireEndpoint, Callable[[bytes], None]]] = {}
         self._channels: dict[tuple[int, int], Any] = {}
+        self._parameter_names: set[str] = set()
+        self.follow_parameters = False
+        self.control_time: Callable[[Any], PlaybackState | None] = lambda request: None
         self._logged: set[tuple[str, str]] = set()
 
     @property
@@ -142,8 +152,8 @@ class FoxgloveClients:
             return
         if channel.encoding == JSON:
             try:
-                data = serialize(make(topic.type, json.loads(data)))
-            except (ValueError, RecursionError) as error:  # a UnicodeDecodeError, too
+                data = serialize(from_json(topic.type, data))
+            except ValueError as error:  # a UnicodeDecodeError, too
                 self.log(topic.name, f"a message is not a {topic.type}: {error}", "decoding")
                 return
         heard(data)
@@ -158,6 +168,8 @@ class FoxgloveClients:
         self, client: Any, parameters: "Sequence[Parameter]", request_id: str | None = None
     ) -> "list[Parameter]":
         """A client sets parameters: return what they are now."""
+        if request_id == self._own.request:
+            return self._own.take()
         values = {item.name: item.get_value() for item in parameters}
         if self._control:
             for reason in self._parameters.set(values):
@@ -165,6 +177,18 @@ class FoxgloveClients:
         else:
             self.log("a parameter is not set", "--foxglove-control lets clients command", "control")
         return self._parameters.get(values) if values else []
+
+    def on_parameters_subscribe(self, param_names: Sequence[str]) -> None:
+        """Clients subscribe to parameters that none subscribed to."""
+        self._follow_parameters(self._parameter_names.union(param_names))
+
+    def on_parameters_unsubscribe(self, param_names: Sequence[str]) -> None:
+        """No client subscribes to these parameters any more."""
+        self._follow_parameters(self._parameter_names.difference(param_names))
+
+    def on_playback_control_request(self, playback_control_request: Any) -> "PlaybackState | None":
+        """A client controls the time."""
+        return self.control_time(playback_control_request)
 
     def on_connection_graph_subscribe(self) -> None:
         """The first client watches the connection graph."""
@@ -178,6 +202,12 @@ class FoxgloveClients:
         if name.startswith("on_"):  # what clients do beside it is of no interest
             return lambda *_: None
         raise AttributeError(name)
+
+    def _follow_parameters(self, names: set[str]) -> None:
+        self._parameter_names, self.follow_parameters = names, bool(names)  # the server calls with a lock of its own
+        for sender in self.senders():
+            if sender.is_of_parameters:
+                sender.follow(joined=False)
 
     def _follow(self, channel: int, *, joined: bool) -> None:
         for number, sender in tuple(self._senders.items()):

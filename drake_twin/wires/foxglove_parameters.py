@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from foxglove.websocket import Parameter
 
 _GET, _LIST, _SET = (f"rcl_interfaces/srv/{name}Parameters" for name in ("Get", "List", "Set"))
+EVENT = "rcl_interfaces/msg/ParameterEvent"
 _LONGEST = 5.0  # s of wall time in which a node answers
 _FLOATS = {2: 3, 7: 8}  # the type of whole numbers → that of floats
 
@@ -49,6 +50,17 @@ class FoxgloveParameters:
             for node, values in self._values(wanted).items()
             for name, value in zip(wanted[node], map(python_value, values), strict=True)
             if value is not None
+        ]
+
+    def changed(self, data: bytes) -> "list[Parameter]":
+        """Return the parameters that an event (CDR) tells of, without those that are deleted."""
+        from foxglove.websocket import Parameter
+
+        event = deserialize(EVENT, data)
+        return [
+            Parameter(f"{event.node}.{item.name}", value=value)
+            for item in (*event.new_parameters, *event.changed_parameters)
+            if (value := python_value(item.value)) is not None
         ]
 
     def set(self, values: Mapping[str, Any]) -> list[str]:

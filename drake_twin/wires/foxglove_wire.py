@@ -9,13 +9,15 @@ from typing import Any
 from uuid import uuid4
 
 from drake_twin.errors import InputError
-from drake_twin.messages.interface_types import definition
 from drake_twin.requirements import missing
-from drake_twin.wires.foxglove_clients import CDR, JSON, FoxgloveClients
+from drake_twin.twin.twin import Twin
+from drake_twin.wires.foxglove_clients import FoxgloveClients
 from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, FoxgloveGraph
 from drake_twin.wires.foxglove_log import log_causes_once
-from drake_twin.wires.foxglove_parameters import FoxgloveParameters
-from drake_twin.wires.foxglove_service import FoxgloveService
+from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
+from drake_twin.wires.foxglove_parameters import EVENT, FoxgloveParameters
+from drake_twin.wires.foxglove_service import CDR, JSON, FoxgloveService
+from drake_twin.wires.foxglove_time import END, FoxgloveTime
 from drake_twin.wires.wire import Closable, Nothing, Reply, Sender, WireEndpoint
 
 PORT = 8765
@@ -34,7 +36,8 @@ class FoxgloveWire:
     Args:
         host: The address to listen on.
         port: The port; 0 for any free one.
-        control: Whether clients may publish commands and call services.
+        control: Whether clients may publish commands, call services and control the time.
+        end: The end of the time line on which clients control the time (s).
         asset: Returns the content of a file by its address, or None. It is called in other threads.
 
     Attributes:
@@ -50,6 +53,7 @@ class FoxgloveWire:
         port: int = PORT,
         *,
         control: bool = False,
+        end: float = END,
         asset: Callable[[str], bytes | None] = lambda address: None,
     ):
         try:
@@ -63,10 +67,12 @@ class FoxgloveWire:
         self._graph = FoxgloveGraph(lambda graph: self._server.publish_connection_graph(graph))
         self._parameters = FoxgloveParameters()
         watched = self._graph.watch
-        self._clients = FoxgloveClients(self._join, self._parameters, watched, control=control)
+        self._own_client = own = FoxgloveOwnClient()
+        self._clients = FoxgloveClients(self._join, self._parameters, watched, own, control=control)
         self._control = control
         self._latest = self._told = -1
         self._servers: set[FoxgloveService] = set()
+        self._time: FoxgloveTime | None = None
         log_causes_once()
         try:
             self._server = foxglove.start_server(
@@ -80,12 +86,19 @@ class FoxgloveWire:
                 context=self._context,
                 session_id=uuid4().hex,
                 message_backlog_size=_MOST_WAITING,
+                playback_time_range=(0, round(end * 1e9)) if control else None,
             )
         except (RuntimeError, OSError, ValueError) as error:
             reason = str(error).rpartition("Failed to bind port: ")[2].partition(" (os error")[0]
             raise InputError(f"--foxglove: {host}:{port} cannot be opened: {reason}") from None
         self._address = host, self._server.port
         self.place = f"ws://{host}:{self._server.port}"
+
+    def attach(self, twin: Twin) -> None:
+        """Let clients control the time of a twin, if they may command."""
+        if self._control:
+            self._time = FoxgloveTime(twin, self._server.broadcast_playback_state)
+            self._clients.control_time = self._time.request
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
@@ -117,24 +130,21 @@ class FoxgloveWire:
         return ends
 
     def _offer(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
-        """Let clients call a service."""
-        from foxglove import Schema
-        from foxglove.websocket import MessageSchema, Service, ServiceSchema
+        """Let clients call a service in CDR, and in JSON by its name with ``.json``, which no name in ROS ends with.
 
-        def schema(part: str) -> MessageSchema:
-            name = f"{service.type}_{part}"
-            text = Schema(name=name, encoding="ros2msg", data=definition(name).encode())
-            return MessageSchema(encoding=CDR, schema=text)
+        The protocol has one encoding for each service.
+        """
+        ends = contextlib.ExitStack()
+        for name, encoding in ((service.name, CDR), (f"{service.name}.{JSON}", JSON)):
+            server = FoxgloveService(name, service.type, encoding, answer, self._end)
+            self._servers.add(server)
+            self._server.add_services([server.offer()])
+            ends.callback(server.close)
+        return ends
 
-        def end(server: FoxgloveService) -> None:
-            self._servers.discard(server)
-            self._server.remove_services([service.name])
-
-        server = FoxgloveService(service.name, answer, end)
-        self._servers.add(server)
-        parts = ServiceSchema(service.type, request=schema("Request"), response=schema("Response"))
-        self._server.add_services([Service(service.name, schema=parts, handler=server.handle)])
-        return server
+    def _end(self, server: FoxgloveService) -> None:
+        self._servers.discard(server)
+        self._server.remove_services([server.name])
 
     def _is_readable(self, endpoint: WireEndpoint) -> bool:
         """Tell whether clients can read a type: it is known, and not made of an action's parts, which have no text."""
@@ -145,6 +155,8 @@ class FoxgloveWire:
     def close(self) -> None:
         """Stop the server; requests that wait for a response fail."""
         self._graph.close()
+        if self._time is not None:
+            self._time.close()
         for server in tuple(self._servers):
             server.close()
         self._server.stop()
@@ -178,6 +190,11 @@ class FoxgloveWire:
             self._server.broadcast_time(now)
         self._latest = now
 
+    def tell_parameters(self, data: bytes) -> None:
+        """Tell clients of the parameters that an event (CDR) has changed."""
+        if parameters := self._parameters.changed(data):
+            self._own_client.publish(parameters, *self._address)
+
     def _join(self) -> None:
         """Tell a client that joins the time: the twin may be paused."""
         if self._latest >= 0:
@@ -191,11 +208,14 @@ def _is_free(host: str, port: int) -> bool:
 
 
 class _Sender:
-    """Sends the messages of a topic; the clock's are also sent as the time of all clients.
+    """Sends the messages of a topic.
+
+    The clock's are also sent as the time of all clients, and events of parameters as the values of these.
 
     Attributes:
         is_heard: Whether a client subscribes; always true for a topic whose message is kept for late joiners.
         is_clock: Whether the topic is the clock, which is followed while any client subscribes to anything.
+        is_of_parameters: Whether it tells of changed parameters, which is followed while any client subscribes to some.
     """
 
     def __init__(
@@ -203,7 +223,7 @@ class _Sender:
     ):
         self._is_latched = topic.latched and topic.kept == 1  # a log is not sent again to those that have it
         self.is_heard = self._is_latched
-        self.is_clock = topic.type == _CLOCK
+        self.is_clock, self.is_of_parameters = topic.type == _CLOCK, topic.type == EVENT
         self._wire, self._clients, self._topic, self._listened = wire, clients, topic, listened
         self._kept: tuple[bytes, int] | None = None
         self._is_closed = False
@@ -216,12 +236,15 @@ class _Sender:
             self._kept = data, at
         if self._clients.have(self._number):
             self._channel.log(data, log_time=at)
+        if self.is_of_parameters and self._clients.follow_parameters:
+            self._wire.tell_parameters(data)
 
     def follow(self, *, joined: bool) -> None:
         """Follow a client that has come or gone, in one of the server's threads."""
         clients = self._clients
         with clients.lock:
             is_heard = self._is_latched or (clients.are_there if self.is_clock else clients.have(self._number))
+            is_heard = is_heard or (self.is_of_parameters and clients.follow_parameters)
             has_changed, self.is_heard = is_heard != self.is_heard, is_heard
         if has_changed:
             self._listened(is_heard)

@@ -61,6 +61,9 @@ class WireKind:
             InputError: If the twin cannot be beside them.
         """
 
+    def attach(self, wire: "Wire", twin: "Twin") -> None:
+        """Give a wire what it needs of a twin beside its topics and services, before it is connected with it."""
+
     def connected(self, options: argparse.Namespace, twin: "Twin") -> None:
         """Do what is to be done with a twin that the wire is about to be connected with."""
 

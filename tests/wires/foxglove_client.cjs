@@ -41,7 +41,8 @@ client.on("message", ({ subscriptionId, timestamp, data }) => {
   const message = new MessageReader(schema(text)).readMessage(data);
   tell({ event: "message", topic, time: String(timestamp), message, data: base64(data) });
 });
-client.on("serviceCallResponse", ({ callId, data }) => {
+client.on("serviceCallResponse", ({ callId, encoding, data }) => {
+  if (encoding === "json") return tell({ event: "response", callId, message: JSON.parse(Buffer.from(data.buffer, data.byteOffset, data.byteLength)) });
   const reader = new MessageReader(schema(calls.get(callId).response.schema));
   tell({ event: "response", callId, message: reader.readMessage(data) });
 });
@@ -51,6 +52,25 @@ client.on("connectionGraphUpdate", (update) => tell({ event: "graph", ...update 
 client.on("fetchAssetResponse", (asset) =>
   tell({ event: "asset", requestId: asset.requestId, text: asset.error, data: asset.data && base64(asset.data) }),
 );
+
+// Play, pause and speed: the newest part of the protocol, which this client's package does not know.
+const STATUS = ["playing", "paused", "buffering", "ended"];
+socket.on("message", (bytes, isBinary) => {
+  const data = Buffer.from(bytes);
+  if (!isBinary || data[0] !== 5) return;
+  const [status, time, speed, seeked] = [STATUS[data[1]], data.readBigUInt64LE(2), data.readFloatLE(10), data[14] !== 0];
+  tell({ event: "playback", status, time, speed, seeked, id: data.toString("utf8", 19) });
+});
+const playback = ({ play, speed, seek, id }) => {
+  const bytes = Buffer.alloc(19);
+  bytes.writeUInt8(3, 0);
+  bytes.writeUInt8(play ? 0 : 1, 1);
+  bytes.writeFloatLE(speed, 2);
+  bytes.writeUInt8(seek === undefined ? 0 : 1, 6);
+  bytes.writeBigUInt64LE(BigInt(seek ?? 0), 7);
+  bytes.writeUInt32LE(Buffer.byteLength(id), 15);
+  socket.send(Buffer.concat([bytes, Buffer.from(id)]));
+};
 
 // Another client that subscribes, advertises, calls, and is gone without a word once it has a message.
 const joinAndLeave = (topic, service) =>
@@ -81,7 +101,8 @@ const actions = {
   parseAll: () => {
     const offered = [...services.values()];
     const texts = [...channels.values(), ...offered.flatMap(({ request, response }) => [request, response])];
-    texts.forEach((item) => schema(item.schema));
+    const json = ({ schemaEncoding }) => schemaEncoding === "jsonschema";
+    texts.forEach((item) => (json(item) ? JSON.parse(item.schema) : schema(item.schema)));
     tell({ event: "parsed", channels: [...channels.values()].map((item) => item.topic), services: offered.map((item) => item.name) });
   },
   advertise: ({ topic, encoding, schemaName }) =>
@@ -89,13 +110,17 @@ const actions = {
   publish: ({ channel, data }) => client.sendMessage(channel, Buffer.from(data, "base64")),
   call: ({ service, callId, request, encoding, data }) => {
     const offered = [...services.values()].filter((item) => item.name === service).pop();
-    const bytes = data ? Buffer.from(data, "base64") : new MessageWriter(schema(offered.request.schema)).writeMessage(request);
+    const text = encoding === "json" && Buffer.from(JSON.stringify(request));
+    const bytes = data ? Buffer.from(data, "base64") : text || new MessageWriter(schema(offered.request.schema)).writeMessage(request);
     calls.set(callId, offered);
     client.sendServiceCallRequest({ serviceId: offered.id, callId, encoding, data: bytes });
   },
   fetch: ({ uri, requestId }) => client.fetchAsset(uri, requestId),
   getParameters: ({ names, id }) => client.getParameters(names, id),
   setParameters: ({ parameters, id }) => client.setParameters(parameters, id),
+  subscribeParameters: ({ names }) => client.subscribeParameterUpdates(names),
+  unsubscribeParameters: ({ names }) => client.unsubscribeParameterUpdates(names),
+  playback,
   watchGraph: () => client.subscribeConnectionGraph(),
   raw: ({ data, text }) => socket.send(text ?? Buffer.from(data, "base64")),
   publishZeros: ({ channel, size }) => client.sendMessage(channel, Buffer.alloc(size)),

@@ -12,6 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from drake_twin.wires.foxglove_clients import FoxgloveClients
 from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED
+from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.foxglove_wire import FoxgloveWire
 from drake_twin.wires.wire import LARGEST, WireEndpoint
@@ -125,7 +126,7 @@ def test_a_service_that_ends_fails_the_requests_that_wait(wire):
     """As when its robot is deleted while they wait."""
     asked = []
     offered = wire.serve(TRIGGER, lambda data, reply: asked.append(reply))
-    (server,) = wire._servers
+    (server,) = (item for item in wire._servers if item.name == "/trigger")
     request = SimpleNamespace(payload=b"request")
     with ThreadPoolExecutor(2) as threads:
         waiting = threads.submit(server.handle, request)
@@ -170,7 +171,9 @@ def test_any_json_is_a_message_or_refused(value, noise):
 
 def _listening(kind, heard):
     """Clients of which one offers JSON on a topic that is listened to."""
-    clients = FoxgloveClients(lambda: None, FoxgloveParameters(), lambda is_watched: None, control=True)
+    clients = FoxgloveClients(
+        lambda: None, FoxgloveParameters(), lambda is_watched: None, FoxgloveOwnClient(), control=True
+    )
     clients.heard["/topic"] = WireEndpoint("/topic", kind, "RIHS01_0", "/node"), heard
     channel = SimpleNamespace(id=1, topic="/topic", encoding="json", schema_name=kind)
     clients.on_client_advertise(SimpleNamespace(id=1), channel)

@@ -6,8 +6,10 @@ from wires.foxglove_client import foxglove_client
 from wires.ros_client import while_running
 
 from drake_twin.messages.interface_types import deserialize, make, serialize
+from drake_twin.messages.parameter_value import value_fields
 from drake_twin.services.graph import connect
-from drake_twin.wires.foxglove_parameters import FoxgloveParameters
+from drake_twin.twin.event_topics import PARAMETER_EVENTS
+from drake_twin.wires.foxglove_parameters import EVENT, FoxgloveParameters
 from drake_twin.wires.foxglove_wire import FoxgloveWire
 from drake_twin.wires.wire import WireEndpoint
 
@@ -152,3 +154,44 @@ def test_a_node_that_has_ended_is_not_asked():
         parameters.remove(service)
         parameters.remove(service)
     assert parameters.get() == parameters.get(["/gone.x"]) == asked == []
+
+
+def event(node, **values):
+    items = [{"name": name, "value": value_fields(value)} for name, value in values.items()]
+    return serialize(make(EVENT, {"node": node, "changed_parameters": items}))
+
+
+def test_changes_are_told_to_those_who_subscribe_to_the_parameter(shown):
+    """Also without control, for it only shows; what changes it is not Foxglove."""
+    twin, _, _ = shown
+    first, second = (f"/robot_{n}/forward_velocity_controller.update_rate" for n in (1, 2))
+
+    def set_rates(rate):
+        for robot in ("robot_2", "robot_1"):  # the last event is the one that is awaited
+            twin.control.set_parameters(robot, "forward_velocity_controller", {"update_rate": rate})
+
+    def work(peer):
+        peer.do("subscribeParameters", names=[first, "/nobody.rate"])
+        peer.parameters(first)  # the subscription has been read
+        twin.inbox.put(lambda: set_rates(50), between_advances=True)
+        peer.first("parameters", parameters=[{"name": first, "value": 50}])
+        peer.do("unsubscribeParameters", names=[first])
+        peer.do("subscribeParameters", names=[second])
+        peer.parameters(first)
+        twin.inbox.put(lambda: set_rates(20), between_advances=True)
+        peer.first("parameters", parameters=[{"name": second, "value": 20}])
+        return [item["parameters"] for item in peer.all("parameters") if "id" not in item]
+
+    assert asked(shown, work) == [[{"name": first, "value": 50}], [{"name": second, "value": 20}]]
+    topic = twin._session.events[PARAMETER_EVENTS]
+    twin.run(each_frame=lambda: topic.is_heard)  # the client has left: nothing makes events any more
+    assert not topic.is_heard
+
+
+def test_all_types_are_told_and_deleted_parameters_are_not():
+    parameters = FoxgloveParameters()
+    values = {"flag": True, "count": 3, "rate": 2.5, "name": "x", "steps": [1, 2], "gains": [1.0, 0.5]}
+    found = parameters.changed(event("/painter", **values))
+    assert {item.name: item.get_value() for item in found} == {f"/painter.{name}": it for name, it in values.items()}
+    deleted = {"node": "/painter", "deleted_parameters": [{"name": "count", "value": {"type": 0}}]}
+    assert parameters.changed(serialize(make(EVENT, deleted))) == []

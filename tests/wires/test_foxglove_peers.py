@@ -33,6 +33,7 @@ class Shown:
     def __init__(self, twin, control):
         self.twin = twin
         self.wire = FoxgloveWire(port=0, control=control, asset=Assets(twin))
+        self.wire.attach(twin)
         self.seam = connect(twin, [self.wire])
 
     def peer(self):
@@ -181,6 +182,44 @@ def test_a_client_that_joins_others_is_told_the_time_also_while_the_twin_is_paus
     assert time <= round(shown.twin.time * 1e9) < time + 10_000_000 + frame
 
 
+@controlled
+def test_a_client_controls_the_time(shown):
+    clock = shown.twin.clock
+
+    def control(peer):
+        info = peer.first("serverInfo")
+        peer.do("playback", play=True, speed=2.5, id="faster")
+        peer.do("playback", play=False, speed=0.25, id="paused")
+        paused = peer.first("playback", id="paused")
+        there = shown.twin.time
+        peer.do("playback", play=False, speed=-1, id="backwards")
+        peer.do("playback", play=False, speed=1, seek=1_000_000_000, id="future")
+        future = peer.first("playback", id="future")
+        peer.do("playback", play=False, speed=1, seek=0, id="start")
+        start = peer.first("playback", id="start")
+        shown.twin.inbox.put(shown.twin.play)  # as another program does
+        told = peer.first("playback", id="")
+        return (
+            info,
+            [peer.first("playback", id=name) for name in ("faster", "backwards")],
+            paused,
+            there,
+            future,
+            start,
+            told,
+        )
+
+    info, (faster, backwards), paused, there, future, start, told = shown.run(control)
+    assert "playbackControl" in info["capabilities"]
+    assert (info["dataStartTime"]["sec"], info["dataEndTime"]["sec"]) == (0, 3600)
+    assert (faster["status"], faster["speed"]) == ("playing", 2.5)
+    assert (paused["status"], paused["speed"]) == ("paused", 0.25)
+    assert (backwards["status"], backwards["speed"]) == ("paused", 0.25)
+    assert int(paused["time"]) == int(future["time"]) == round(there * 1e9) > 0
+    assert (future["seeked"], start["seeked"], start["time"]) == (False, True, "0")
+    assert (told["status"], told["speed"], clock.real_time_rate) == ("playing", 1.0, 1.0)
+
+
 def test_without_control_a_client_only_sees(shown):
     before = shown.twin.state_sha256()
 
@@ -188,14 +227,17 @@ def test_without_control_a_client_only_sees(shown):
         info = peer.first("serverInfo")
         publish = peer.advertise(COMMANDS, ARRAY)
         publish(array(1.0, 1.0, 1.0, 1.0))
+        peer.do("playback", play=False, speed=2.0, id="pause")
         peer.subscribe(STATES)
         peer.messages(STATES, 20)
         return info["capabilities"], peer.all("advertiseServices"), [item["text"] for item in peer.all("status")]
 
     capabilities, services, said = shown.run(command)
-    assert not {"clientPublish", "services"} & set(capabilities)
+    assert not {"clientPublish", "services", "playbackControl"} & set(capabilities)
     assert services == []
-    assert any("not support" in text for text in said)
+    assert any("not support" in text and "ublish" in text for text in said)
+    assert any("not support playback control" in text for text in said)
+    assert not shown.twin.clock.paused
     assert shown.twin.graph.command(COMMANDS) is None
     assert before != shown.twin.state_sha256()  # it has run
 
@@ -271,6 +313,33 @@ def test_services_answer_while_the_twin_runs_and_while_it_is_paused(shown):
     assert shown.run(call) == "inactive"
     shown.twin.pause()
     assert shown.run(lambda peer: peer.call(LIST)["controller"][0]["name"]) == "joint_state_broadcaster"
+
+
+@controlled
+def test_services_in_json_are_those_in_cdr(shown):
+    def call(peer):
+        state = peer.channel("/tf") and peer.call("/drake_twin/get_entity_state", {"entity": "robot_2"})
+        other = peer.call("/drake_twin/get_entity_state.json", {"entity": "robot_2"}, encoding="json")
+        with pytest.raises(RuntimeError, match="entityy"):
+            peer.call("/drake_twin/get_entity_state.json", {"entityy": "robot_2"}, encoding="json")
+        with pytest.raises(RuntimeError, match="Expecting property name"):
+            peer.call("/drake_twin/get_entity_state.json", data=b"{", encoding="json")
+        (offered,) = (
+            item
+            for told in peer.all("advertiseServices")
+            for item in told["services"]
+            if item["name"] == "/drake_twin/get_entity_state.json"
+        )
+        return state, other, offered
+
+    shown.twin.pause()
+    state, other, offered = shown.run(call)
+    assert other == state
+    assert state["state"]["pose"]["position"]["y"] == pytest.approx(shown.twin.robot_state("robot_2").base_pose[1])
+    schema = json.loads(offered["request"]["schema"])
+    assert schema["properties"] == {"entity": {"type": "string"}}
+    pose = json.loads(offered["response"]["schema"])["properties"]["state"]["properties"]["pose"]
+    assert pose["properties"]["position"]["properties"] == {axis: {"type": "number"} for axis in "xyz"}
 
 
 @controlled

@@ -2,13 +2,15 @@
 
 import argparse
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from drake_twin.errors import InputError
 from drake_twin.program import say
 from drake_twin.wires.registry import Asset, WireKind, wire_kind
 
 if TYPE_CHECKING:
+    from drake_twin.twin.twin import Twin
+    from drake_twin.wires.foxglove_wire import FoxgloveWire
     from drake_twin.wires.wire import Wire
 
 
@@ -22,7 +24,9 @@ class FoxgloveKind(WireKind):
         """Add its options."""
         group.add_argument("--foxglove", action="store_true", help="serve the topics to Foxglove, on this machine only")
         group.add_argument(
-            "--foxglove-control", action="store_true", help="let clients of Foxglove command and call services, too"
+            "--foxglove-control",
+            action="store_true",
+            help="let clients of Foxglove command, call services and control the time, too",
         )
         group.add_argument("--foxglove-host", metavar="ADDRESS", help="the address to listen on (default: 127.0.0.1)")
         group.add_argument("--foxglove-port", type=int, metavar="PORT", help="the port (default: 8765)")
@@ -41,11 +45,12 @@ class FoxgloveKind(WireKind):
 
     def open(self, options: argparse.Namespace, asset: Asset, *, is_first: bool) -> "Wire":
         """Open it, and say where."""
+        from drake_twin.wires.foxglove_time import END
         from drake_twin.wires.foxglove_wire import PORT, FoxgloveWire
 
         port = PORT if options.foxglove_port is None else options.foxglove_port
         host, control = options.foxglove_host or "127.0.0.1", options.foxglove_control
-        wire = FoxgloveWire(host, port, control=control, asset=asset)
+        wire = FoxgloveWire(host, port, control=control, end=options.duration or END, asset=asset)
         if is_first:
             does = "shows and commands" if control else "only shows; --foxglove-control commands, too"
             say(f"foxglove: {wire.place}, {does}")
@@ -53,3 +58,7 @@ class FoxgloveKind(WireKind):
             who = f"every program and every web page that reaches the port {what}"
             say(f"foxglove: this protocol has no token: {who}", sys.stderr)
         return wire
+
+    def attach(self, wire: "Wire", twin: "Twin") -> None:
+        """Let clients control its time, if they may command."""
+        cast("FoxgloveWire", wire).attach(twin)
