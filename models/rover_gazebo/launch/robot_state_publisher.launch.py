@@ -18,7 +18,11 @@ def start(context):
     controllers = ParameterFile(os.path.join(share, "config", "rover_controllers.yaml"), allow_substs=True)
     description = xacro.process_file(
         os.path.join(share, "urdf", "rover.urdf.xacro"),
-        mappings={"robot_name": robot_name, "controllers": str(controllers.evaluate(context))},
+        mappings={
+            "robot_name": robot_name,
+            "controllers": str(controllers.evaluate(context)),
+            "lidar": LaunchConfiguration("lidar").perform(context),
+        },
     )
     return [
         Node(
@@ -39,6 +43,7 @@ def generate_launch_description():
     return LaunchDescription(
         [
             DeclareLaunchArgument("robot_name", default_value="rover", description="The rover's name"),
+            DeclareLaunchArgument("lidar", default_value="false", description="Whether it has a lidar"),
             OpaqueFunction(function=start),
         ]
     )
