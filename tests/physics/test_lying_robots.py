@@ -41,13 +41,14 @@ SINKING = {
         (1.6, 1.6e-2),
     ),
     "cenic": {
-        "alex_nub_hands": (0.71, 4.0e-3),
+        "alex_nub_hands": (0.71, 5.5e-3),
         "alex_psyonic_hands": (0.13, 1.7e-2),
         "alex_sake_hands": (0.039, 0.24),
         "baxter": (0.001, 4.1e-3),
         "hextilt_flying_arm_5": (0.021, 3.2e-3),
         "icub": (2.6, 1.4e-2),
         "icub_reduced": (0.095, 4.6e-3),
+        "panda_collision": (0.1, 1.1e-2),  # still from the 80th second on
         "talos_full_v2": (0.17, 1.3e-2),
         "talos_full_v2_box": (14.6, 1.3),
         "talos_reduced": (2.6, 7.2e-3),
