@@ -20,14 +20,13 @@ _OF_THE_GRAPH = frozenset(
         *(
             "tf2_sensor_msgs",
             "laser_geometry",
+            "image_geometry",
             "message_filters",
             "rosbag2_py",
             "ros2cli",
             "ros2node",
-            "ros2topic",
-            "ros2param",
-            "ros2lifecycle",
         ),
+        *("ros2node", "ros2topic", "ros2param", "ros2lifecycle"),
     )
 )
 
