@@ -50,7 +50,7 @@ def encoding_of(name: str) -> Encoding:
     """Return an encoding by its name, for example ``bgr8``, ``mono16`` or ``32FC1``.
 
     Raises:
-        CvBridgeError: If there is none of this name.
+        CvBridgeError: If the encoding is unknown.
     """
     if match := re.fullmatch(r"(8U|8S|16U|16S|32S|32F|64F)(?:C(\d+))?", name):
         return Encoding(name, np.dtype(DEPTHS[match[1]]), int(match[2] or 1))

@@ -25,7 +25,7 @@ def transform_points(point_cloud: np.ndarray, transform: Any) -> np.ndarray:
 
     Args:
         point_cloud: The points (m), shape (n, 3).
-        transform: A ``geometry_msgs/msg/Transform``; a quaternion of zeros is no rotation.
+        transform: A ``geometry_msgs/msg/Transform``; a quaternion of zeros rotates nothing.
     """
     turn, shift = transform.rotation, transform.translation
     quaternion = turn.x, turn.y, turn.z, turn.w
