@@ -15,7 +15,8 @@ from drake_twin.frozen import Frozen
 from drake_twin.messages.field_values import base_value, field_value, is_vector, list_of
 from drake_twin.messages.field_values import shortened as shortened
 from drake_twin.messages.interface_texts import interface_names
-from drake_twin.messages.store import DEFAULTS, EMPTY, OF_THE_TWIN, base_types, store_with
+from drake_twin.messages.store import DEFAULTS, OF_THE_TWIN, base_types, store_with
+from drake_twin.messages.store import EMPTY as EMPTY
 from drake_twin.messages.store import type_store as type_store
 from drake_twin.saved import saved
 
