@@ -1,87 +1,58 @@
 """Message types as in ROS 2 Jazzy: ``messages.JointState``, ``messages.TFMessage``, …
 
 They are the dataclasses of rosbags' type store (NumPy arrays for numeric sequences), so a message goes to a bag or to a
-wire as it is. The store is loaded at the first use of a type, because a twin without subscribers needs none. Types that
-the store lacks are those of `drake_twin.messages.definitions`.
+wire as it is. The store is loaded at the first use of a type, because a twin without subscribers needs none. Types of
+other packages than the store's are loaded into it one by one.
 """
 
-import reprlib
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import isfinite
-from numbers import Real
 from typing import Any
 
 from drake_twin.frozen import Frozen
-from drake_twin.messages.definitions import DEFINITIONS
+from drake_twin.messages.field_values import base_value, field_value, is_vector, list_of
+from drake_twin.messages.field_values import shortened as shortened
 from drake_twin.messages.interface_texts import interface_names
+from drake_twin.messages.store import DEFAULTS, OF_THE_TWIN, base_types, store_with
+from drake_twin.messages.store import EMPTY as EMPTY
+from drake_twin.messages.store import type_store as type_store
 from drake_twin.saved import saved
-from drake_twin.values import yaml_number
 
-_DTYPES = {"char": "uint8"}  # NumPy's types that have another name in ROS
-
-EMPTY = "structure_needs_at_least_one_member"  # the only field of a message without fields
-
-# ROS's default values of fields, by type, where they are not false, zero or nothing: those of rosbags' store, which
-# leaves them out; `interface_types` adds those of the types that it registers.
-DEFAULTS: dict[str, dict[str, Any]] = {
-    "geometry_msgs/msg/Quaternion": {"w": 1.0},
-    "sensor_msgs/msg/NavSatStatus": {"status": -2},
-}
-
-_TYPES: dict[str, str] = {}  # the last part of a type's name → the type; filled when the store is loaded
-
-
-@cache
-def _jazzy() -> Any:
-    from rosbags.typesys import Stores, get_typestore
-
-    store = get_typestore(Stores.ROS2_JAZZY)
-    for name in (*store.types, *DEFINITIONS):
-        _TYPES.setdefault(name.rpartition("/")[2], name)
-    return store
-
-
-@cache
-def type_store() -> Any:
-    """Return the rosbags ``Typestore`` of ROS 2 Jazzy with the types defined here added."""
-    from rosbags.typesys import get_types_from_msg
-
-    store = _jazzy()
-    for name, text in DEFINITIONS.items():
-        store.register(get_types_from_msg(text, name))
-    return store
-
-
-@cache
-def base_packages() -> frozenset[str]:
-    """Return the packages that rosbags' store has messages of."""
-    from rosbags.typesys import Stores, get_typestore
-
-    return frozenset(name.partition("/")[0] for name in get_typestore(Stores.ROS2_JAZZY).types)
+_PARTS = ("_Goal", "_Result", "_Feedback")
 
 
 @cache
 def known_types() -> frozenset[str]:
     """Return the names of ROS 2 Jazzy's message types."""
-    return frozenset((*_jazzy().types, *(name for name in interface_names() if "/msg/" in name)))
+    return base_types() | {name for name in interface_names() if "/msg/" in name}
 
 
-def _store_of(kind: str) -> Any:
-    """Return a store that has a type; reading our definitions takes as long as a quarter of a robot, and is rare."""
-    return type_store() if kind in DEFINITIONS else _jazzy()
+@cache
+def _base_names() -> dict[str, str]:
+    """Return the types of rosbags' store by the last part of their names."""
+    return {name.rpartition("/")[2]: name for name in sorted(base_types(), reverse=True)}
+
+
+@cache
+def _other_names() -> dict[str, str]:
+    """Return the other types that the twin may use, by the last part of their names."""
+    its = sorted(name for name in interface_names() if name.partition("/")[0] in OF_THE_TWIN)
+    names = [name for name in its if "/msg/" in name]
+    names += [f"{name}{part}" for name in its if "/action/" in name for part in _PARTS]
+    return {name.rpartition("/")[2]: name for name in reversed(names)}
 
 
 def __getattr__(name: str) -> Any:
     if not name[0].isupper():  # a module's own attribute, for which the store is not loaded
         raise AttributeError(f"drake_twin.messages has no attribute {name!r}")
-    _jazzy()
-    if name not in _TYPES:
-        raise AttributeError(f"drake_twin.messages has no message type {name!r}; it has {', '.join(sorted(_TYPES))}")
-    message_type = _store_of(_TYPES[name]).types[_TYPES[name]]
-    globals()[name] = message_type
-    return message_type
+    kind = _base_names().get(name) or _other_names().get(name)
+    if kind is None:
+        known = ", ".join(sorted({*_base_names(), *_other_names()}))
+        raise AttributeError(f"drake_twin.messages has no message type {name!r}; it has {known}")
+    found = globals()[name] = store_with(kind).types[kind]
+    return found
 
 
 def time_message(seconds: float) -> Any:
@@ -164,14 +135,14 @@ class Numbers(Frozen):
             raise ValueError("None is not a list")
         if type(data) in (list, tuple) and {*map(type, data)} <= {float}:
             return cls(tuple(data))
-        items = data.tolist() if _is_vector(data) else [*_list(data, "data.")]
+        items = data.tolist() if is_vector(data) else [*list_of(data, "data.")]
         if not {*map(type, items)} <= {float}:
-            items = [_base("float64", item, f"data[{index}].") for index, item in enumerate(items)]
+            items = [base_value("float64", item, f"data[{index}].") for index, item in enumerate(items)]
         return cls(tuple(items))
 
 
 def _from_plain(kind: str, data: Any, path: str) -> Any:
-    store = _store_of(kind)
+    store = store_with(kind)
     is_time = kind in ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
     if is_time and isinstance(data, int | float) and not isinstance(data, bool):
         if not isfinite(data):
@@ -180,10 +151,10 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
     _, fields = store.fielddefs[kind]
     names = [name for name, _ in fields if name != EMPTY]
     place = f"{path[:-1]}: " if path else ""
-    message_type = getattr(data, "__msgtype__", None)
-    if message_type is not None:
-        if message_type != kind:
-            raise ValueError(f"{place}this is a {message_type}, but a {kind} is needed")
+    its_type = getattr(data, "__msgtype__", None)
+    if its_type is not None:
+        if its_type != kind:
+            raise ValueError(f"{place}this is a {its_type}, but a {kind} is needed")
         data = {name: getattr(data, name, None) for name in names}
     if not isinstance(data, Mapping):
         raise ValueError(f"{place}{shortened(data)} is not a mapping of the fields of a {kind}")
@@ -193,92 +164,8 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
     defaults = DEFAULTS.get(kind, {})
     values = {name: defaults.get(name) if data.get(name) is None else data[name] for name, _ in fields}
     return store.types[kind](
-        **{name: field_value(description, values[name], f"{path}{name}.") for name, description in fields}
+        **{name: field_value(description, values[name], f"{path}{name}.", _from_plain) for name, description in fields}
     )
-
-
-def field_value(description: Any, value: Any, path: str) -> Any:
-    """Make a field's value from plain data.
-
-    Args:
-        description: The field's type: rosbags' (node type, details).
-        value: The data; None for zero or nothing.
-        path: The field's name with a dot behind it, for the error.
-
-    Raises:
-        ValueError: If the data does not fit the type; the text says where.
-    """
-    import numpy as np
-    from rosbags.interfaces import Nodetype
-
-    node, details = description
-    if node == Nodetype.NAME:
-        return _from_plain(details, {} if value is None else value, path)
-    if node == Nodetype.BASE:
-        kind = details[0]
-        if value is None:
-            return {"string": "", "wstring": "", "bool": False}.get(kind, 0.0 if "float" in kind else 0)
-        return _base(kind, value, path)
-    element, size = details
-    values = [] if value is None else _list(value, path)
-    if value is None and node == Nodetype.ARRAY:
-        values = [None] * size
-    kind = element[1][0] if element[0] == Nodetype.BASE else ""
-    if _is_vector(values) and "float" in kind:
-        items: Any = values
-    else:
-        items = [field_value(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
-    if node == Nodetype.ARRAY and len(items) != size:
-        raise ValueError(f"{path[:-1]}: {len(items)} elements, but {size} are needed")
-    return np.array(items, dtype=_DTYPES.get(kind, kind)) if kind not in ("", "string", "wstring") else items
-
-
-def _is_vector(value: Any) -> bool:
-    """Tell whether a value is a one-dimensional NumPy array of floating-point numbers."""
-    import numpy as np
-
-    return isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.ndim == 1
-
-
-def _list(value: Any, path: str) -> Any:
-    if isinstance(value, str | bytes | Mapping | Set) or not hasattr(value, "__iter__"):
-        raise ValueError(f"{path[:-1]}: {shortened(value)} is not a list")
-    return value
-
-
-def _base(kind: str, value: Any, path: str) -> Any:
-    import numpy as np
-
-    try:
-        if kind in ("string", "wstring"):
-            if not isinstance(value, str):
-                raise TypeError
-            return value
-        if kind == "bool":
-            if not isinstance(value, bool | np.bool_):
-                raise TypeError
-            return bool(value)
-        if "float" in kind:
-            number = yaml_number(value)
-            if number is None:
-                raise TypeError
-            return number
-        if isinstance(value, bool) or not isinstance(value, Real) or not float(value).is_integer():
-            raise TypeError
-        whole: Any = value
-        integer, limits = int(whole), np.iinfo(_DTYPES.get(kind, kind))
-        if kind == "byte" and limits.max < integer < 256:
-            return integer - 256  # rosbags has the bytes of ROS as numbers with a sign
-        if not limits.min <= integer <= limits.max:
-            raise ValueError
-        return integer
-    except (TypeError, ValueError, OverflowError):
-        raise ValueError(f"{path[:-1]}: {shortened(value)} is not a {kind}") from None
-
-
-def shortened(value: Any) -> str:
-    """Return a value as an error message shows it: a list of a million numbers by its first ones."""
-    return reprlib.repr(value)
 
 
 def float64_multi_array(values: Any) -> Any:

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from drake_twin.messages import EMPTY
 from drake_twin.messages.interface_types import fields_of
+from drake_twin.messages.store import EMPTY
 
 _NAMES = {"bool": "boolean", "byte": "octet", "char": "uint8", "float32": "float", "float64": "double"}
 

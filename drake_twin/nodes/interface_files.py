@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError
-from drake_twin.messages import EMPTY, interface_types
+from drake_twin.messages import interface_types, store
+from drake_twin.messages.store import EMPTY
 
 KINDS = ("msg", "srv", "action")
 _PARTS = {"msg": 1, "srv": 2, "action": 3}
@@ -48,7 +49,7 @@ class InterfaceFiles:
                 of this process has defined the type differently.
         """
         file = self._file(name)
-        own = name not in _added and interface_types.is_settled(name)
+        own = name not in _added and store.is_settled(name)
         if file is None or (own and name in self._compared):
             return
         self._compared.add(name)
@@ -67,7 +68,7 @@ class InterfaceFiles:
             if not interface_types.knows(kind):
                 what = "wstring is not supported" if kind.endswith("/wstring") else f"type {kind} does not exist"
                 raise InputError(what, file=file, line=line)
-        interface_types.add_definition(name, text)
+        store.add_definition(name, text)
         _added[name] = file, text
 
     def _file(self, name: str) -> Path | None:
@@ -121,8 +122,8 @@ def _fields_of_line(name: str, line: str, number: int, file: Path) -> Any:
     from rosbags.typesys import TypesysError
 
     try:
-        fields = interface_types.fields_in(name, f"{line}\n")[1]
-        interface_types.default_in(line, fields)
+        fields = store.fields_in(name, f"{line}\n")[1]
+        store.default_in(line, fields)
     except TypesysError as error:
         what = f"{line.strip()!r} is neither a field (TYPE NAME) nor a constant (TYPE NAME=VALUE) of ROS 2"
         raise InputError(what, file=file, line=number) from error

@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from drake_twin.errors import InputError
-from drake_twin.messages import interface_types
+from drake_twin.messages import interface_types, store
 from drake_twin.nodes.interface_files import KINDS, InterfaceFiles
 from drake_twin.nodes.message_classes import action_class, message_class, module_name, service_class
 
@@ -74,7 +74,7 @@ class Interfaces:
 
     def _names(self, package: str, kind: str) -> list[str]:
         names = self._files.names(package, kind)
-        if names and not interface_types.is_of_the_twin(package):
+        if names and not store.is_of_the_twin(package):
             return names
         return sorted({*interface_types.known_names(package, kind), *names})
 

@@ -9,7 +9,8 @@ from functools import cache
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
-from drake_twin.messages import EMPTY, interface_types
+from drake_twin.messages import interface_types
+from drake_twin.messages.store import EMPTY
 from drake_twin.nodes.message_elements import BOOLEAN, OCTET, Element, integer, real, string
 from drake_twin.nodes.message_fields import Field, ListField, NumberArray, NumberSequence
 

@@ -10,6 +10,7 @@ from typing import Any, Self
 
 from drake_twin.errors import InputError
 from drake_twin.messages import type_store
+from drake_twin.messages.interface_types import deserialize
 
 TRANSFORMS, JOINT_STATES, TEXT = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg/JointState", "std_msgs/msg/String"
 _DESCRIPTION = "robot_description"
@@ -98,7 +99,9 @@ class Bag:
 
     def _read(self, data: bytes, kind: str) -> Any:
         with self._readable():
-            return self._reader.deserialize(data, kind)
+            if kind in self._reader.typestore.fielddefs:
+                return self._reader.deserialize(data, kind)
+            return deserialize(kind, data)  # the bag has no definitions, and rosbags' store lacks it
 
     @contextmanager
     def _readable(self) -> Iterator[None]:

@@ -17,7 +17,16 @@ _KINDS = ("msg", "srv", "action")
 _OF_THE_GRAPH = frozenset(
     (
         *("rclpy", "tf2_ros", "tf2_py", "tf2_geometry_msgs", "rosidl_runtime_py", "sensor_msgs_py", "cv_bridge"),
-        *("message_filters", "rosbag2_py", "ros2cli", "ros2node", "ros2topic", "ros2param", "ros2lifecycle"),
+        *(
+            "tf2_sensor_msgs",
+            "laser_geometry",
+            "image_geometry",
+            "message_filters",
+            "rosbag2_py",
+            "ros2cli",
+            "ros2node",
+        ),
+        *("ros2node", "ros2topic", "ros2param", "ros2lifecycle"),
     )
 )
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from drake_twin import messages
 from drake_twin.errors import InputError
+from drake_twin.messages.store import store_with
 from drake_twin.saved import SAVED_CLASSES, saved_name
 from drake_twin.typed_data import field_types, misfit
 
@@ -81,7 +82,7 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
     if kind == "array":
         return np.array(from_plain(data["data"]), dtype=np.dtype(data["type"])).reshape(data["shape"])
     if "/" in kind and "@" not in kind:
-        return messages.type_store().types[kind](**{key: from_plain(item) for key, item in data.items()})
+        return store_with(kind).types[kind](**{key: from_plain(item) for key, item in data.items()})
     found: Any = SAVED_CLASSES.get(kind)
     if found is None:
         raise ValueError(f"{kind} is not a class with saved values")

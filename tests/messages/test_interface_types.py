@@ -6,8 +6,6 @@ import pytest
 
 from drake_twin import messages
 from drake_twin.messages.interface_types import (
-    add_definition,
-    default_in,
     default_values,
     definition,
     deserialize,
@@ -21,6 +19,7 @@ from drake_twin.messages.interface_types import (
     type_hash,
     type_names,
 )
+from drake_twin.messages.store import add_definition, default_in
 
 
 @pytest.mark.parametrize(

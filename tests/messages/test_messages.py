@@ -4,6 +4,7 @@ import sys
 import pytest
 
 from drake_twin import messages
+from drake_twin.messages.store import store_with
 
 
 def test_times_are_rounded_to_the_nearest_nanosecond():
@@ -18,7 +19,7 @@ def test_an_unknown_type_is_named_with_those_that_exist():
 
 def test_types_that_rosbags_lacks_hash_as_upstream():
     # `ros2 interface` of control_msgs 5 (Jazzy) prints these definitions; their fields are what hashes are made of.
-    store = messages.type_store()
+    store = store_with("control_msgs/msg/DynamicJointState")
     definition, _ = store.generate_msgdef("control_msgs/msg/DynamicJointState")
     assert "string[] joint_names" in definition
     assert "control_msgs/InterfaceValue[] interface_values" in definition
@@ -32,6 +33,7 @@ def test_the_messages_of_the_joint_trajectory_controller_survive_the_wire():
     assert store.deserialize_cdr(store.serialize_cdr(result, name), name) == result
     definition, _ = store.generate_msgdef("control_msgs/action/FollowJointTrajectory_Goal")
     assert "control_msgs/JointTolerance[] path_tolerance" in definition
+    store = store_with("control_msgs/msg/JointTrajectoryControllerState")
     definition, _ = store.generate_msgdef("control_msgs/msg/JointTrajectoryControllerState")
     assert "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_output" in definition
 

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.interfaces import Nodetype
 
-from drake_twin.messages import EMPTY
 from drake_twin.messages.interface_types import class_of, deserialize, fields_of, known_names, known_packages, serialize
+from drake_twin.messages.store import EMPTY, is_of_the_twin
 from drake_twin.nodes.message_classes import from_wire, message_class, to_wire, type_name
 
 FLOAT32_MAX = float(np.finfo("float32").max)
@@ -25,6 +25,8 @@ TYPES = sorted(
     for own in known_names(package, kind)
     for part in parts
 )
+OTHERS = [name for name in TYPES if not is_of_the_twin(name.partition("/")[0])]
+SLOW = {*OTHERS} - {*OTHERS[::20]}
 
 
 def numbers(kind):
@@ -63,7 +65,9 @@ def data(name):
     return st.builds(class_of(name), **fields)
 
 
-@pytest.mark.parametrize("name", TYPES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in TYPES]
+)
 def test_nothing_changes_on_the_way(name):
     @settings(max_examples=4, derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck))
     @given(data(name))

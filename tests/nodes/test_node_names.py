@@ -4,7 +4,6 @@ import pytest
 
 from drake_twin.nodes.rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from drake_twin.nodes.rclpy.names import full_name
-from drake_twin.nodes.rclpy.validate_topic_name import validate_topic_name
 
 
 @pytest.mark.parametrize(
@@ -33,5 +32,3 @@ def test_what_is_no_name_is_refused_with_the_place_of_what_is_wrong(name, index)
         assert (refused.value.name, refused.value.invalid_index) == (name, index)
     with pytest.raises(InvalidTopicNameException):  # without another word it is a topic's
         full_name(name, "/", "/talker")
-    with pytest.raises(InvalidTopicNameException):
-        validate_topic_name(name)
