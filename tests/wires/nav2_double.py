@@ -144,7 +144,7 @@ class Nav2:
         scan = parameters(amcl, "scan_topic")
         node.listen(scan, "sensor_msgs/msg/LaserScan", self._hear_scan, is_best_effort=True, depth=5)
         odometry = parameters("bt_navigator", "odom_topic")
-        node.listen(odometry, "nav_msgs/msg/Odometry", self._hear_odometry, is_best_effort=True, depth=5)
+        node.listen(odometry, "nav_msgs/msg/Odometry", self._hear_odometry)
 
     def _hear_odometry(self, message):
         self.bases.add((message.header.frame_id, message.child_frame_id))
