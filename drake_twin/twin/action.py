@@ -107,7 +107,7 @@ class ActionGoal:
         if state is None or state.id < self._id:
             return
         if state.id > self._id:  # another goal replaced it before its status was read
-            self._end("aborted", -1, "preempted by another goal")
+            self._end("aborted", -1, "Current goal preempted by new incoming action.")
             return
         self._status = state.status
         if state.is_done:

@@ -13,7 +13,8 @@ DIAGRAMS = Path(__file__).resolve().parents[2] / "diagrams"
 COMMAND = re.compile(r"(?:Run it: +|runs with `+)(python [^`\n]+)")
 PICTURES = (".svg", ".png")
 WORLDS = ("crates.sdf",)
-BESIDE = ("commander.py",)  # they need a twin: test_commander.py runs them with one
+# They need a twin or a ROS 2: test_commander.py and test_nav2_and_moveit.py run them.
+BESIDE = ("commander.py", "nav2_and_moveit.py")
 EXAMPLES = sorted(
     file.name for file in DIAGRAMS.iterdir() if file.is_file() and file.suffix not in (*PICTURES, ".ipynb", ".sdf")
 )

@@ -142,7 +142,7 @@ def preempted(group, controller, first, second):
     group.node.spin(lambda: group.node.time > began + duration / 2)
     after = group.execute(controller, second)
     status, result = sent.result()
-    return {"first": status, "first_code": int(result.error_code), "second": after}
+    return {"first": [status, int(result.error_code), result.error_string], "second": after}
 
 
 def refused(group, controller, names, positions):

@@ -2,7 +2,8 @@
 
 Its nodes' parts that touch the robot, with their topics, frames and quality of service: the tf2 listener, AMCL with its
 message filter and its transform that is dated ahead, controller_server with pure pursuit and the odometry's twist, and
-the costmap's obstacles. Run with the wire, its domain and "stamped" or "plain"; prints what it found.
+the costmap's obstacles. Run with the wire, its domain and how many corners of the path to drive to; two more words are
+the topic and the type of commands in place of those of the parameters. Prints what it found.
 """
 
 import sys
@@ -127,8 +128,8 @@ class Map:
 
 
 class Nav2:
-    def __init__(self, node: OutsideNode, is_stamped: bool):
-        self.node, self.is_stamped = node, is_stamped
+    def __init__(self, node: OutsideNode, topic=None, kind=None):
+        self.node = node
         amcl, controller = "amcl", "controller_server"
         self.odom, self.base = parameters(amcl, "odom_frame_id"), parameters(amcl, "base_frame_id")
         self.tolerance = parameters(controller, "general_goal_checker", "xy_goal_tolerance")
@@ -139,12 +140,13 @@ class Nav2:
         self.scans, self.waiting, self.used, self.fits, self.nearest = [], deque(maxlen=100), 0, [], float("inf")
         self.twists, self.bases, self.correction = [], set(), Pose(0, 0, 0)
         self.tell = node.publisher("/tf", "tf2_msgs/msg/TFMessage", is_heard=False)
-        kind = "geometry_msgs/msg/TwistStamped" if is_stamped else "geometry_msgs/msg/Twist"
-        self.drive = node.publisher(parameters("collision_monitor", "cmd_vel_out_topic"), kind)
+        self.is_stamped = kind is None and parameters("collision_monitor", "enable_stamped_cmd_vel")
+        topic = topic or parameters("collision_monitor", "cmd_vel_out_topic")
+        self.drive = node.publisher(topic, kind or "geometry_msgs/msg/TwistStamped")
         scan = parameters(amcl, "scan_topic")
         node.listen(scan, "sensor_msgs/msg/LaserScan", self._hear_scan, is_best_effort=True, depth=5)
         odometry = parameters("bt_navigator", "odom_topic")
-        node.listen(odometry, "nav_msgs/msg/Odometry", self._hear_odometry, is_best_effort=True, depth=5)
+        node.listen(odometry, "nav_msgs/msg/Odometry", self._hear_odometry)
 
     def _hear_odometry(self, message):
         self.bases.add((message.header.frame_id, message.child_frame_id))
@@ -234,7 +236,7 @@ class Nav2:
 
 
 def nav2(node):
-    double = Nav2(node, sys.argv[3] == "stamped")
+    double = Nav2(node, *sys.argv[4:])
     node.spin(lambda: node.time > 0 and double.scans and double.twists)
 
     def is_localized():
@@ -242,7 +244,7 @@ def nav2(node):
         return double.used
 
     node.spin(is_localized)
-    commanded, reached = double.follow(PATH)
+    commanded, reached = double.follow(PATH[: int(sys.argv[3])])
     began = node.time
     node.wait_until(began + 1.0)
     double.filter()

@@ -15,6 +15,7 @@ SIMULATION = MODELS / "arduinobot_moveit_config" / "launch" / "simulation.launch
 WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
 ARM = ["joint_1", "joint_2", "joint_3"]
 TRAJECTORIES = "joint_trajectory_controller/JointTrajectoryController"
+INVALID_GOAL = -1  # of control_msgs/action/FollowJointTrajectory
 _GRIPPER_TOLERANCE = 0.01  # rad, of the gripper's controller
 
 
@@ -44,7 +45,7 @@ def the_arm_reaches_moveits_goals(wire):
         is_executed(found[motion], off=_GRIPPER_TOLERANCE)
     assert (found["canceled"]["canceling"], found["canceled"]["status"]) == (1, CANCELED)
     assert found["canceled"]["drift"] < 1e-4  # rad
-    assert (found["preempted"]["first"], found["preempted"]["first_code"]) == (ABORTED, -1)  # INVALID_GOAL
+    assert found["preempted"]["first"] == [ABORTED, INVALID_GOAL, "Current goal preempted by new incoming action."]
     is_executed(found["preempted"]["second"], off=1e-3)
     assert (found["partial"], found["unknown"], found["refused_when_inactive"]) == (False, False, False)
     assert (found["switched"], found["switched_back"]) == (True, True)

@@ -3,6 +3,7 @@
 import os
 
 import pytest
+import yaml
 from program_runs import MODELS
 from wires.double_runs import double
 
@@ -18,7 +19,7 @@ GOAL = (4.2, 0.8)  # m, the end of the double's path
 def the_rover_reaches_nav2s_goal(wire):
     """The wheels' odometry alone would miss it: the scan's beams must end on the map's walls all the way."""
     with TwinBuilder(clock_rate=100).launch(SIMULATION).build() as twin:
-        found = double("nav2_double", twin, wire, "stamped")
+        found = double("nav2_double", twin, wire, "5")
         base = twin.robot_state("rover").base_pose
         wheels = twin.robot_state("rover").velocities
     assert found["reached"]
@@ -39,6 +40,20 @@ def the_rover_reaches_nav2s_goal(wire):
 def test_the_rover_reaches_nav2s_goal_over_dds():
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     the_rover_reaches_nav2s_goal(DdsWire(150 + WORKER))
+
+
+def test_commands_without_a_stamp_as_enable_stamped_cmd_vel_false_sends_them(tmp_path):
+    """To the first corner of the path only, at (1, -0.5) m."""
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    file = tmp_path / "drive.yaml"
+    parameters = {"enable_odom_tf": True, "use_stamped_vel": False}
+    file.write_text(yaml.safe_dump({"/**/drive_controller": {"ros__parameters": parameters}}))
+    with TwinBuilder(clock_rate=100).launch(SIMULATION, drive_parameters=str(file)).build() as twin:
+        words = ("2", "/rover/drive_controller/cmd_vel_unstamped", "geometry_msgs/msg/Twist")
+        found = double("nav2_double", twin, DdsWire(150 + WORKER), *words)
+        base = twin.robot_state("rover").base_pose
+    assert (found["reached"], found["used"] == found["scans"]) == (True, True)
+    assert (base[0], base[1]) == pytest.approx((1.0, -0.5), abs=0.25)
 
 
 @pytest.mark.ros

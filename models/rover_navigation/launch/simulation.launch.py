@@ -4,8 +4,9 @@ import os
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import IncludeLaunchDescription, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
 from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterFile
 
@@ -18,17 +19,17 @@ def included(file, **arguments):
 
 
 def spawners(context, drive_parameters):
-    odometry = os.path.join(get_package_share_directory("rover_navigation"), "config", "odometry.yaml")
-    files = ["--param-file", str(drive_parameters.evaluate(context)), "--param-file", odometry]
+    more = LaunchConfiguration("drive_parameters").perform(context)
+    files = ["--param-file", str(drive_parameters.evaluate(context)), "--param-file", more]
     return [
         Node(
             package="controller_manager",
             executable="spawner",
             namespace=ROVER,
-            arguments=[controller, "--controller-manager", f"/{ROVER}/controller_manager", *more],
+            arguments=[controller, "--controller-manager", f"/{ROVER}/controller_manager", *words],
             output="screen",
         )
-        for controller, more in (("joint_state_broadcaster", []), ("drive_controller", files))
+        for controller, words in (("joint_state_broadcaster", []), ("drive_controller", files))
     ]
 
 
@@ -39,6 +40,11 @@ def generate_launch_description():
     drive_parameters = ParameterFile(file, allow_substs=True)
     return LaunchDescription(
         [
+            DeclareLaunchArgument(
+                "drive_parameters",
+                default_value=os.path.join(share, "config", "odometry.yaml"),
+                description="Parameters of drive_controller, beside those of rover_drive.yaml",
+            ),
             included("start_world.launch.py", world=os.path.join(share, "worlds", "room.sdf")),
             included("robot_state_publisher.launch.py", robot_name=ROVER, lidar="true"),
             included("spawn_in_gazebo.launch.py", robot_name=ROVER, x="0.0", y="0.0", z="0.13", yaw="0.0"),
