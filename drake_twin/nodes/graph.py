@@ -269,11 +269,19 @@ class Graph:
 
     def publishers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each publisher of a topic."""
-        return _ends(self._published.get(topic), self.publications.get(topic, ()))
+        return [(item.node, item.type) for item in self.publishing(topic)]
 
     def subscribers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each subscriber of a topic."""
-        return _ends(self._commanded.get(topic), self.receptions.get(topic, ()))
+        return [(item.node, item.type) for item in self.hearing(topic)]
+
+    def publishing(self, topic: str) -> "list[Endpoint | Publication | Reception]":
+        """Return the publishers of a topic: the twin's, and those of nodes."""
+        return [item for item in (self._published.get(topic), *self.publications.get(topic, ())) if item is not None]
+
+    def hearing(self, topic: str) -> "list[Endpoint | Publication | Reception]":
+        """Return the subscribers of a topic: the twin's, and those of nodes."""
+        return [item for item in (self._commanded.get(topic), *self.receptions.get(topic, ())) if item is not None]
 
     # Services --------------------------------------------------------------------------------------------------------
 
@@ -363,8 +371,3 @@ class Graph:
         if key not in self._logged and len(self._logged) < _MOST_LINES:
             self._logged.add(key)
             _log.warning("%s: %s", what, text)
-
-
-def _ends(twins: Endpoint | None, of_nodes: Iterable[Publication | Reception]) -> list[tuple[str, str]]:
-    """Return node and type of each end of a topic: the twin's, and those of nodes."""
-    return [(item.node, item.type) for item in (twins, *of_nodes) if item is not None]
