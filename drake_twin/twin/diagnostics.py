@@ -92,7 +92,7 @@ class Diagnostics:
         return status
 
     def _factor(self) -> float | None:
-        """Return the real-time factor of the last span, which is the same whoever else reads; None for too short a one.
+        """Return the real-time factor of the last span, which no other reader changes; None if it is too short.
 
         Moments at which it was read are kept for that, the last of them that is a span old and newer ones.
         """

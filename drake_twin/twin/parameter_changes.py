@@ -4,7 +4,7 @@ As upstream, an active controller follows some of them at once, and the others w
 of a controller that is not active are followed at once, too: it does nothing until it is activated.
 
 The robots' nodes that are no controllers are ``controller_manager`` and ``robot_state_publisher``: what is set of them
-and cannot be followed is kept, and so is told, like what waits for a controller to be configured.
+and cannot be followed is kept, like the values of a controller that is not configured yet.
 """
 
 import logging
