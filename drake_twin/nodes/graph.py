@@ -269,19 +269,11 @@ class Graph:
 
     def publishers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each publisher of a topic."""
-        return [(item.node, item.type) for item in self.publishing(topic)]
+        return [(item.node, item.type) for item in publishing(self, topic)]
 
     def subscribers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each subscriber of a topic."""
-        return [(item.node, item.type) for item in self.hearing(topic)]
-
-    def publishing(self, topic: str) -> "list[Endpoint | Publication | Reception]":
-        """Return the publishers of a topic: the twin's, and those of nodes."""
-        return [item for item in (self._published.get(topic), *self.publications.get(topic, ())) if item is not None]
-
-    def hearing(self, topic: str) -> "list[Endpoint | Publication | Reception]":
-        """Return the subscribers of a topic: the twin's, and those of nodes."""
-        return [item for item in (self._commanded.get(topic), *self.receptions.get(topic, ())) if item is not None]
+        return [(item.node, item.type) for item in hearing(self, topic)]
 
     # Services --------------------------------------------------------------------------------------------------------
 
@@ -371,3 +363,13 @@ class Graph:
         if key not in self._logged and len(self._logged) < _MOST_LINES:
             self._logged.add(key)
             _log.warning("%s: %s", what, text)
+
+
+def publishing(graph: Graph, topic: str) -> list[Endpoint | Publication | Reception]:
+    """Return the publishers of a topic: the twin's, and those of nodes."""
+    return [item for item in (graph._published.get(topic), *graph.publications.get(topic, ())) if item is not None]
+
+
+def hearing(graph: Graph, topic: str) -> list[Endpoint | Publication | Reception]:
+    """Return the subscribers of a topic: the twin's, and those of nodes."""
+    return [item for item in (graph._commanded.get(topic), *graph.receptions.get(topic, ())) if item is not None]

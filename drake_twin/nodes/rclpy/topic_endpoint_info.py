@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from itertools import chain
 
-from drake_twin.nodes.graph import Graph
+from drake_twin.nodes.graph import Graph, hearing, publishing
 from drake_twin.nodes.graph_items import Publication, Reception
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, as_seen
@@ -48,11 +48,11 @@ class GraphQueries:
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         topic = self.resolve_topic_name(topic_name)
-        return self._infos(self._graph.publishing(topic), TopicEndpointTypeEnum.PUBLISHER)
+        return self._infos(publishing(self._graph, topic), TopicEndpointTypeEnum.PUBLISHER)
 
     def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         topic = self.resolve_topic_name(topic_name)
-        return self._infos(self._graph.hearing(topic), TopicEndpointTypeEnum.SUBSCRIPTION)
+        return self._infos(hearing(self._graph, topic), TopicEndpointTypeEnum.SUBSCRIPTION)
 
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
