@@ -269,11 +269,11 @@ class Graph:
 
     def publishers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each publisher of a topic."""
-        return _ends(self._published.get(topic), self.publications.get(topic, ()))
+        return [(item.node, item.type) for item in publishing(self, topic)]
 
     def subscribers_of(self, topic: str) -> list[tuple[str, str]]:
         """Return node and type of each subscriber of a topic."""
-        return _ends(self._commanded.get(topic), self.receptions.get(topic, ()))
+        return [(item.node, item.type) for item in hearing(self, topic)]
 
     # Services --------------------------------------------------------------------------------------------------------
 
@@ -365,6 +365,11 @@ class Graph:
             _log.warning("%s: %s", what, text)
 
 
-def _ends(twins: Endpoint | None, of_nodes: Iterable[Publication | Reception]) -> list[tuple[str, str]]:
-    """Return node and type of each end of a topic: the twin's, and those of nodes."""
-    return [(item.node, item.type) for item in (twins, *of_nodes) if item is not None]
+def publishing(graph: Graph, topic: str) -> list[Endpoint | Publication | Reception]:
+    """Return the publishers of a topic: the twin's, and those of nodes."""
+    return [item for item in (graph._published.get(topic), *graph.publications.get(topic, ())) if item is not None]
+
+
+def hearing(graph: Graph, topic: str) -> list[Endpoint | Publication | Reception]:
+    """Return the subscribers of a topic: the twin's, and those of nodes."""
+    return [item for item in (graph._commanded.get(topic), *graph.receptions.get(topic, ())) if item is not None]

@@ -17,6 +17,7 @@ class Publication:
         depth: The number of messages that late subscribers get; zero for none.
         latched: These messages.
         is_best_effort: Whether messages may be lost.
+        profile: Its quality of service, as the node gives it; None where it gives none.
     """
 
     topic: str
@@ -25,6 +26,7 @@ class Publication:
     depth: int = 0
     latched: deque[Any] = field(default_factory=deque)
     is_best_effort: bool = False
+    profile: Any = None
 
 
 @dataclass(eq=False)
@@ -39,6 +41,7 @@ class Reception:
         wants_latched: Whether it gets what was published before.
         end: Ends the subscription to the twin's topic; None without one.
         is_best_effort: Whether messages may be lost.
+        profile: Its quality of service, as the node gives it; None where it gives none.
     """
 
     topic: str
@@ -48,6 +51,7 @@ class Reception:
     wants_latched: bool = False
     end: Callable[[], None] | None = None
     is_best_effort: bool = False
+    profile: Any = None
 
 
 @dataclass(eq=False)

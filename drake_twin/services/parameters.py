@@ -1,8 +1,7 @@
 """The parameter services of the nodes on the graph, as in ``rcl_interfaces``.
 
 The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers, and those
-of the twin's own services and topics. Only the controllers' parameters can be set; the others are those that the
-robot's files give.
+of the twin's own services and topics, whose parameters are constant.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -13,7 +12,7 @@ from typing import Any
 from drake_twin.description.declared_parameters import DeclaredParameter
 from drake_twin.errors import InputError
 from drake_twin.messages.parameter_value import python_value, type_of
-from drake_twin.planning.controller_plan import USE_SIM_TIME
+from drake_twin.planning.node_parameters import CONTROLLER_MANAGER, STATE_PUBLISHER, use_sim_time
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.services.registry import Fields, Service
 from drake_twin.twin.parameter_changes import value_of
@@ -63,19 +62,16 @@ def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
 
 def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[ParameterNode]:
     """Yield a robot's nodes."""
-    namespace = plan.robot.topic_namespace
-    of_publisher = {
-        "robot_description": plan.description.text,
-        "frame_prefix": plan.frame_prefix,
-        "publish_frequency": plan.robot.publish_frequency,
-    }
-    yield constant_node(f"{namespace}/robot_state_publisher", of_publisher)
-    types = {f"{item.name}.type": item.type for item in plan.controllers}
-    yield constant_node(f"{namespace}/controller_manager", {"update_rate": round(plan.manager.update_rate)} | types)
+    for name in (STATE_PUBLISHER, CONTROLLER_MANAGER):
+        yield _settable(twin, plan, name)
     loaded = twin.control.manager(plan.name).states
     for name in [item.name for item in plan.controllers if item.name in loaded]:
-        declared = partial(twin.control.parameters, plan.name, name)
-        yield ParameterNode(f"{namespace}/{name}", declared, partial(_put, twin, plan.name, name), builds=True)
+        yield _settable(twin, plan, name)
+
+
+def _settable(twin: Twin, plan: RobotPlan, name: str) -> ParameterNode:
+    declared, put = partial(twin.control.parameters, plan.name, name), partial(_put, twin, plan.name, name)
+    return ParameterNode(f"{plan.robot.topic_namespace}/{name}", declared, put, builds=True)
 
 
 def constant_node(name: str, values: Mapping[str, Any]) -> ParameterNode:
@@ -85,15 +81,15 @@ def constant_node(name: str, values: Mapping[str, Any]) -> ParameterNode:
         name: Its full name.
         values: Parameter → value.
     """
-    known = {
-        key: DeclaredParameter(key, type_of(value), value, is_read_only=True)
-        for key, value in ({USE_SIM_TIME: True} | dict(values)).items()
+    own = use_sim_time()
+    known = {own.name: own} | {
+        key: DeclaredParameter(key, type_of(value), value, is_read_only=True) for key, value in values.items()
     }
 
     def put(given: Mapping[str, Any]) -> str:
         for key, value in given.items():
             if key not in known or _value(known[key]) != value_of(type_of(value), value):
-                return f"parameter {key!r} cannot be changed while the twin runs: the robot's files give it"
+                return f"parameter {key!r} cannot be changed while the twin runs"
         return ""
 
     return ParameterNode(name, lambda: known, put)

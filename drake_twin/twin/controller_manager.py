@@ -87,6 +87,7 @@ class ControllerManager:
     Attributes:
         loaded: Is called with a controller that has been loaded.
         configured: Is called with a controller that has been configured.
+        default_strictness: Returns the strictness of a switch that names none.
         tell: Is called with what it does, as ros2_control's logs it.
     """
 
@@ -102,6 +103,7 @@ class ControllerManager:
         self._note = note
         self.loaded: Callable[[str], None] = lambda name: None
         self.configured: Callable[[str], None] = lambda name: None
+        self.default_strictness: Callable[[], int] = lambda: self._plan.manager.strictness
         self.tell: Callable[[str], None] = lambda text: None
         self._states: dict[str, str] = {}
         self.restart()
@@ -292,7 +294,7 @@ class ControllerManager:
         self._note("switch_controller", tuple(to_start), tuple(to_stop), strictness)
         if strictness not in (UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
             return Response(False, f"unknown strictness {strictness!r}: 1 is BEST_EFFORT, 2 is STRICT")
-        strictness = strictness or self._plan.manager.strictness
+        strictness = strictness or self.default_strictness()
         for names in (to_stop, to_start):
             if names and not any(name in self._states for name in names):
                 unknown = "; ".join(map(self._rules.not_loaded, names))

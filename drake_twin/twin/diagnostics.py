@@ -4,6 +4,7 @@ The names, levels and texts of a controller manager are those of ros2_control (c
 times are left out: a controller's update is part of a step. Periods are those of simulation time.
 """
 
+from collections import deque
 from collections.abc import Iterator, Mapping
 from time import perf_counter
 from typing import Any
@@ -21,6 +22,7 @@ from drake_twin.twin.twin_clock import TwinClock
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/msg/DiagnosticStatus
 _WARN_BEYOND, _ERROR_BEYOND = 5.0, 10.0  # Hz of a manager's mean error, as ros2_control's parameters have them
 _SHORTEST = 0.1  # s of wall time over which a factor is measured
+_SPAN = 1.0  # s of wall time over which it is measured, if it is read so often
 
 
 class Status:
@@ -66,8 +68,7 @@ class Diagnostics:
 
     def __init__(self, session: Session, clock: TwinClock, frames: Frames):
         self._session, self._clock, self._frames = session, clock, frames
-        self._last = perf_counter(), session.clock.time
-        self._factor: float | None = None
+        self._moments = deque([(perf_counter(), session.clock.time)])  # wall time and simulation time (s)
         topic = session.events[DIAGNOSTICS]
         topic.report = self.fields
         self._period = 1.0 / (topic.endpoint.rate or 1.0)
@@ -79,20 +80,31 @@ class Diagnostics:
         return {"header": header(self._session.clock.time), "status": status}
 
     def _of_simulation(self) -> Status:
-        now, time = perf_counter(), self._session.clock.time
-        before, then = self._last
-        if now - before >= _SHORTEST:
-            self._factor = (time - then) / (now - before) if time >= then else None
-            self._last = now, time
+        time, factor = self._session.clock.time, self._factor()
         status = Status("drake_twin: Simulation", "drake_twin", "Simulation is running")
         if 0.0 <= time - self._frames.missed_at <= self._period:
             status.merge(WARN, "Simulation is slower than its real-time rate")
-        if self._factor is not None:
-            status.add("real_time_factor", self._factor)
+        if factor is not None:
+            status.add("real_time_factor", factor)
         status.add("real_time_rate", self._clock.real_time_rate)
         status.add("time_step", self._clock.time_step)
         status.add("missed_time", self._frames.missed)
         return status
+
+    def _factor(self) -> float | None:
+        """Return the real-time factor of the last span, which no other reader changes; None if it is too short.
+
+        Moments at which it was read are kept for that, the last of them that is a span old and newer ones.
+        """
+        now, time, moments = perf_counter(), self._session.clock.time, self._moments
+        if time < moments[-1][1]:  # the twin has gone back
+            moments.clear()
+        while len(moments) > 1 and now - moments[1][0] >= _SPAN:
+            moments.popleft()
+        if not moments or now - moments[-1][0] >= _SHORTEST:
+            moments.append((now, time))
+        before, then = moments[0]
+        return (time - then) / (now - before) if now - before >= _SHORTEST else None
 
     def _of_robot(self, control: RobotControl) -> Iterator[Status]:
         manager, plan = control.manager, control.plan

@@ -2,10 +2,13 @@
 
 As upstream, an active controller follows some of them at once, and the others when it is configured next. Here, those
 of a controller that is not active are followed at once, too: it does nothing until it is activated.
+
+The robots' nodes that are no controllers are ``controller_manager`` and ``robot_state_publisher``: what is set of them
+and cannot be followed is kept, like the values of a controller that is not configured yet.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
@@ -15,6 +18,13 @@ from drake_twin.errors import InputError
 from drake_twin.messages import time_message
 from drake_twin.messages.parameter_value import FIELDS, value_fields
 from drake_twin.planning.controller_plan import USE_SIM_TIME, ControllerPlan
+from drake_twin.planning.node_parameters import (
+    CONTROLLER_MANAGER,
+    STATE_PUBLISHER,
+    STRICTNESS,
+    STRICTNESSES,
+    node_parameters,
+)
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario
 from drake_twin.twin.event_topics import PARAMETER_EVENTS, EventTopics
@@ -58,7 +68,8 @@ class ParameterChanges:
         Raises:
             InputError: If the robot or the controller is unknown.
         """
-        found = _plan_of(self._session.control(robot).plan, controller).declared
+        plan = self._session.control(robot).plan
+        found = node_parameters(plan, controller) or _plan_of(plan, controller).declared
         for name, value in self._pending.get((robot, controller), {}).items():
             found[name] = replace(found[name], value=_frozen(value))
         return found
@@ -75,14 +86,43 @@ class ParameterChanges:
                 raise InputError("parameter 'use_sim_time' cannot be false: the twin has no other time")
         changed = {name: value for name, value in values.items() if _frozen(value) != declared[name].value}
         pending = self._pending.pop((robot, controller), {}) | changed
-        is_active = control.manager.is_active(controller)
-        later = {name: value for name, value in pending.items() if is_active and not declared[name].is_live}
+        is_node = bool(node_parameters(control.plan, controller))
+        waits = is_node or control.manager.is_active(controller)
+        later = {name: value for name, value in pending.items() if waits and not declared[name].is_live}
+        if is_node and STRICTNESS in pending:  # the manager asks for it
+            later[STRICTNESS] = pending[STRICTNESS]
         at_once = {name: value for name, value in pending.items() if name not in later}
         if at_once:
             self._build(robot, controller, at_once)
         if later:
             self._pending[robot, controller] = later
         self._tell(control.plan, controller, "changed_parameters", values, declared)
+
+    def strictness(self, robot: str) -> int:
+        """Return the strictness of a robot's switches that name none."""
+        return STRICTNESSES[self.declared(robot, CONTROLLER_MANAGER)[STRICTNESS].value]
+
+    def state(self) -> dict[str, Any]:
+        """Return the entries of a snapshot that this part keeps: what has been set and is not followed yet."""
+        waiting: dict[str, dict[str, Any]] = {}
+        for (robot, node), values in sorted(self._pending.items()):
+            plain = {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
+            waiting.setdefault(robot, {})[node] = plain
+        return {"later_parameters": waiting} if waiting else {}
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Set the entries that `state` returned."""
+        self._pending = {}
+        for robot, nodes in state.get("later_parameters", {}).items():
+            for node, values in nodes.items():
+                declared = self.declared(robot, node)
+                if any(name not in declared or declared[name].refusal(value) for name, value in values.items()):
+                    raise ValueError(f"the parameters of {node}")
+                self._pending[robot, node] = dict(values)
+
+    def keep(self, robots: Container[str]) -> None:
+        """Forget what was set of other robots."""
+        self._pending = {key: values for key, values in self._pending.items() if key[0] in robots}
 
     def configured(self, robot: str, controller: str) -> None:
         """Let a controller that has been configured follow what has been set before."""
@@ -112,7 +152,9 @@ class ParameterChanges:
         scenario = self._session.scenario
         robots = []
         for item in scenario.robots:
-            if item.name == robot:
+            if item.name == robot and controller == STATE_PUBLISHER:
+                item = replace(item, **values)
+            elif item.name == robot:
                 given = dict(item.controller_parameters)
                 given[controller] = {**given.get(controller, {}), **values}
                 item = replace(item, controller_parameters=given)

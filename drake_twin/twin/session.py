@@ -188,7 +188,7 @@ class Session:
 
     def parts(self) -> tuple[Part, ...]:
         """Return everything that has state."""
-        return (self.clock, self.physics, self.commands, self.wrenches, *self.controls.values())
+        return (self.clock, self.physics, self.commands, self.wrenches, *self.controls.values(), self.parameters)
 
     def state(self) -> dict[str, Any]:
         """Return all entries of a snapshot but the scenario."""
@@ -343,6 +343,7 @@ class Session:
                 control = RobotControl(plan, self.commands.clear, self._note)
                 control.manager.loaded = partial(self.parameters.loaded, plan.name)
                 control.manager.configured = partial(self.parameters.configured, plan.name)
+                control.manager.default_strictness = partial(self.parameters.strictness, plan.name)
                 node = f"{plan.robot.topic_namespace}/controller_manager"
                 control.manager.tell = log_of(self.events[ROSOUT], node)
             control.use(physics)
@@ -352,5 +353,6 @@ class Session:
             if controls.get(name) is not control:
                 control.retire()
         self.controls = controls
+        self.parameters.keep(controls)
         self.commands.use(physics, controls, self.clock)
         self.wrenches.use(physics, (*controls, *physics.built.world_models))

@@ -15,7 +15,7 @@ from drake_twin.typed_data import field_types, misfit
 from drake_twin.values import is_number
 
 _KIND, _VERSION = "saved state", 2
-_OPTIONAL = {"systems", "pushes", "delayed"}  # entries that are left out where they are empty
+_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters"}  # entries that are left out where they are empty
 
 
 @saved("Snapshot")
@@ -40,6 +40,7 @@ class Snapshot:
         systems: The state vectors of the user's own systems, by their names.
         pushes: The scenario's pushes that are still to come.
         delayed: The messages that are under way to robots with a command delay: time of arrival, topic and message.
+        later_parameters: Robot → node → what has been set of its parameters and is not followed yet.
 
     Raises:
         InputError: If an entry is invalid.
@@ -61,6 +62,7 @@ class Snapshot:
     systems: dict[str, Any] = field(default_factory=dict)
     pushes: list[Any] = field(default_factory=list)
     delayed: list[tuple[float, str, Any]] = field(default_factory=list)
+    later_parameters: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_twin.messages.interface_types import deserialize, type_hash
-from drake_twin.wires.dds_endpoints import quality, reader
+from drake_twin.wires.dds_endpoints import matched, quality, reader
 from drake_twin.wires.rmw_dds_format import GRAPH_TOPIC, GRAPH_TYPE, endpoint_data, read_endpoint_data, ros_topic
 from drake_twin.wires.ros_names import dds_type, ros_type
 from drake_twin.wires.wire import WireEndpoint
@@ -114,7 +114,7 @@ class Discovery:
     def _take_nodes(self) -> bool:
         samples = self._graph.take(_MOST_SAMPLES)  # one without data is about a participant that has gone
         told = {item.sample_info.publication_handle: item.data for item in samples if getattr(item, "data", b"")}
-        known = self._graph.get_matched_publications()  # among them those that have told now may be later
+        known = matched(self._graph.get_matched_publications)  # among them those that have told now may be later
         self._nodes = {writer: data for writer, data in self._nodes.items() if writer in known} | told
         return bool(samples)
 

@@ -1,11 +1,23 @@
 """Readers and writers of DDS with ROS's quality of service, over the bytes of messages."""
 
+import contextlib
+from collections.abc import Callable
 from typing import Any
 
 from drake_twin.wires.rmw_dds_format import sample_type
 
 MOST_SAMPLES = 100  # that are taken from a reader at once
 _PATIENCE = 1  # ms for readers to make room for a message; then it is lost
+
+
+def matched(handles: Callable[[], list[int]]) -> list[int]:
+    """Return the handles of the other ends, from a method of a reader or writer.
+
+    CycloneDDS's Python counts them first and raises an IndexError where one more has come when it reads them.
+    """
+    while True:
+        with contextlib.suppress(IndexError):
+            return handles()
 
 
 def quality(

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.wires.dds_discovery import End
-from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
+from drake_twin.wires.dds_endpoints import MOST_SAMPLES, matched, quality, reader, writer
 from drake_twin.wires.rmw_dds_format import (
     endpoint_data,
     read_endpoint_data,
@@ -184,7 +184,7 @@ class DdsServer(_ServiceEnds):
 
     def _has_reader(self, client: str) -> bool:
         """Return whether a client's reader is known."""
-        handles = self._writer.get_matched_subscriptions()
+        handles = matched(self._writer.get_matched_subscriptions)
         if self._matched.get(client) not in handles:
             data = self._writer.get_matched_subscription_data
             self._matched = {_value(data(handle), _CLIENT): handle for handle in handles}
@@ -254,12 +254,12 @@ class DdsClient(_ServiceEnds):
 
     def look(self) -> None:
         """Look whether the service is there: a server of which both endpoints are known."""
-        matched = self._writer.get_matched_subscriptions(), self._reader.get_matched_publications()
-        if matched == self._servers:
+        servers = matched(self._writer.get_matched_subscriptions), matched(self._reader.get_matched_publications)
+        if servers == self._servers:
             return
-        self._servers = matched
-        readers = {_value(self._writer.get_matched_subscription_data(item), _SERVER) for item in matched[0]}
-        writers = {_value(self._reader.get_matched_publication_data(item), _SERVER) for item in matched[1]}
+        self._servers = servers
+        readers = {_value(self._writer.get_matched_subscription_data(item), _SERVER) for item in servers[0]}
+        writers = {_value(self._reader.get_matched_publication_data(item), _SERVER) for item in servers[1]}
         is_there = bool(readers & writers - {""})
         if is_there != self.is_there:
             self.is_there = is_there

@@ -12,7 +12,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.requirements import missing
 from drake_twin.wires.dds_discovery import Discovery, End
-from drake_twin.wires.dds_endpoints import MOST_SAMPLES, quality, reader, writer
+from drake_twin.wires.dds_endpoints import MOST_SAMPLES, matched, quality, reader, writer
 from drake_twin.wires.dds_service import DdsClient, DdsServer
 from drake_twin.wires.loopback_sockets import loopback_only
 from drake_twin.wires.rmw_dds_format import (
@@ -271,7 +271,7 @@ class _Sender:
         """Look whether anybody listens, and tell if that has changed."""
         if self.topic.latched:
             return
-        is_heard = bool(self._writer.get_matched_subscriptions())
+        is_heard = bool(matched(self._writer.get_matched_subscriptions))
         if is_heard != self.is_heard:
             self.is_heard = is_heard
             self._listened(is_heard)

@@ -72,14 +72,17 @@ class RclpyGraph:
         return self._nodes[name]
 
     def _new_node(self, name: str) -> Any:
-        """Return a new node, without the services that the twin has itself, or has not."""
+        """Return a new node, without the services that the twin has itself, or has not.
+
+        Each but the hidden one has a publisher of ``/rosout``, as in ROS.
+        """
         namespace, _, own = name.rpartition("/")
         parameter = self._rclpy.Parameter("start_type_description_service", value=False)
         return self._rclpy.create_node(
             own,
             namespace=namespace or "/",
             context=self._context,
-            enable_rosout=False,
+            enable_rosout=not own.startswith("_"),
             start_parameter_services=False,
             parameter_overrides=[parameter],
         )

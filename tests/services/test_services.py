@@ -182,7 +182,7 @@ def test_parameters_are_set_only_to_what_they_are(twin):
     node = "/robot_1/robot_state_publisher"
     refused = {
         "successful": False,
-        "reason": "parameter 'use_sim_time' cannot be changed while the twin runs: the robot's files give it",
+        "reason": "parameter 'use_sim_time' cannot be false: the twin has no other time",
     }
     results = answer(twin, f"{node}/set_parameters", parameters=[good, bad])["results"]
     assert results == [{"successful": True, "reason": ""}, refused]

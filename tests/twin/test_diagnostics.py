@@ -96,11 +96,22 @@ def test_the_real_time_factor_is_simulated_time_by_wall_time(twin, monkeypatch):
     monkeypatch.setattr(diagnostics, "perf_counter", lambda: now[0])
     told(twin.latest("/diagnostics"))
     twin.advance_to(0.5)
-    now[0] += 0.25
-    assert told(twin.latest("/diagnostics"))[SIMULATION][2]["real_time_factor"] == "2.000000"
-    twin.reset()
     now[0] += 1.0
+    assert told(twin.latest("/diagnostics"))[SIMULATION][2]["real_time_factor"] == "0.500000"
+    twin.reset()
     assert "real_time_factor" not in told(twin.latest("/diagnostics"))[SIMULATION][2]
+
+
+def test_readers_do_not_shorten_the_span_of_others(twin, monkeypatch):
+    """0.5 s are simulated in the first half of a second and nothing in the second one; readers are a quarter apart."""
+    now, factors = [1e9], []
+    monkeypatch.setattr(diagnostics, "perf_counter", lambda: now[0])
+    for step in range(9):
+        if step == 2:
+            twin.advance_to(0.5)
+        factors.append(told(twin.latest("/diagnostics"))[SIMULATION][2]["real_time_factor"])
+        now[0] += 0.25
+    assert factors[4:] == ["0.500000", "0.500000", "0.000000", "0.000000", "0.000000"]
 
 
 def test_summaries_are_merged_as_by_diagnostic_updater():

@@ -249,3 +249,22 @@ def test_the_ends_of_a_closed_wire_send_nothing_and_can_be_closed():
     sender.send(serialize(make(kind, {"data": "late"})), 0)
     for end in (sender, listener, server, client):
         end.close()
+
+
+def test_a_listener_that_comes_while_listeners_are_counted():
+    """CycloneDDS's Python counts them, makes a list of that length, and reads into it: here one more comes between."""
+    counted = []
+
+    def count(entity, handles, most):
+        counted.append(most)
+        return 1 if len(counted) == 1 else 2
+
+    wire, told = DdsWire(DOMAIN), []
+    try:
+        sender = wire.advertise(WireEndpoint("/text", "std_msgs/msg/String", "RIHS01_0", "/node"), told.append)
+        sender._writer._get_matched_subscriptions = count
+        sender.look()
+    finally:
+        wire.close()
+    assert counted[:4] == [0, 1, 0, 2]
+    assert told == [True]

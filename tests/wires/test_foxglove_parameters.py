@@ -57,7 +57,7 @@ def test_what_the_files_give_cannot_be_set(shown, caplog):
     name = f"{MANAGER}.update_rate"
     assert asked(shown, lambda peer: peer.set_parameters(parameters=[{"name": name, "value": 50}])) == {name: 100}
     (said,) = [item for item in caplog.messages if "a parameter is not set" in item]
-    assert ("the robot's files give it" if shown[2] else "--foxglove-control") in said
+    assert ("it is read-only" if shown[2] else "--foxglove-control") in said
 
 
 NODE = "/painter"

@@ -97,12 +97,20 @@ def test_nodes_topics_and_services_are_where_they_are_over_dds(twin, network):
         1,
         True,
     )
-    (log,) = network.wait("publisher", "/rosout")
+    until(lambda: any("lifespan" in each for each in network.of("publisher", "/rosout")))
+    (log,) = (each for each in network.of("publisher", "/rosout") if "lifespan" in each)
     assert (log["depth"], log["latched"], log["lifespan"]) == (1000, True, 10 * 10**9)  # as rcl's
     assert network.wait("subscription", COMMANDS)[0]["node"] == "/robot_1/forward_velocity_controller"
     manager = "/robot_1/controller_manager"
     (service,) = network.wait("service", f"{manager}/list_controllers")
     assert (service["type"], service["node"]) == ("controller_manager_msgs/srv/ListControllers", manager)
+
+
+def test_each_node_publishes_its_log(twin, network):
+    network.wait("publisher", STATES)
+    nodes = {item.node for item in twin.graph.endpoints}
+    until(lambda: nodes <= {each["node"] for each in network.of("publisher", "/rosout")})
+    assert not any("/_" in each["node"] for each in network.of("publisher", "/rosout"))
 
 
 def test_the_description_is_there_for_late_joiners(twin, network):

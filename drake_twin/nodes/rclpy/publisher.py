@@ -21,7 +21,7 @@ class Publisher:
         depth = qos_profile.depth if qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL else 0
         may_lose = qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
         kind, kept = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
-        self._publication = Publication(topic, kind, node, depth, kept, may_lose)
+        self._publication = Publication(topic, kind, node, depth, kept, may_lose, qos_profile)
         graph.advertise(self._publication)
         present_task().program.belongings.append(self._publication)
 

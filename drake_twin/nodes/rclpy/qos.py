@@ -161,6 +161,26 @@ class QoSPresetProfiles(_ShortKeys):
     BEST_AVAILABLE = qos_profile_best_available
 
 
+def as_seen(given: QoSProfile, *, is_publisher: bool) -> QoSProfile:
+    """Return what others see of a profile on the graph: what a middleware makes of what is left open."""
+    is_lossy, is_kept = ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.TRANSIENT_LOCAL
+    keeps_all, is_manual = given.history is HistoryPolicy.KEEP_ALL, LivelinessPolicy.MANUAL_BY_TOPIC
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL if keeps_all else HistoryPolicy.KEEP_LAST,
+        depth=0 if keeps_all else max(1, given.depth),
+        reliability=is_lossy if given.reliability is is_lossy else ReliabilityPolicy.RELIABLE,
+        durability=is_kept if given.durability is is_kept else DurabilityPolicy.VOLATILE,
+        lifespan=_or_endless(given.lifespan if is_publisher else Duration()),
+        deadline=_or_endless(given.deadline),
+        liveliness=is_manual if given.liveliness is is_manual else LivelinessPolicy.AUTOMATIC,
+        liveliness_lease_duration=_or_endless(given.liveliness_lease_duration),
+    )
+
+
+def _or_endless(span: Duration) -> Duration:
+    return span if span.nanoseconds else Duration(nanoseconds=2**63 - 1)
+
+
 def profile_of(qos: Any) -> QoSProfile:
     """Return the profile of what publishers and subscriptions accept: a profile, a preset or a depth.
 

@@ -44,7 +44,9 @@ class Subscription:
         self._takes_info = _takes_two(callback)
         latched = qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
         may_lose = qos_profile.reliability in (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.BEST_AVAILABLE)
-        self._reception = Reception(topic, self._type, node, self._put, latched, is_best_effort=may_lose)
+        self._reception = Reception(
+            topic, self._type, node, self._put, latched, is_best_effort=may_lose, profile=qos_profile
+        )
         graph.subscribe(self._reception)
         self._task.program.belongings.append(self._reception)
 

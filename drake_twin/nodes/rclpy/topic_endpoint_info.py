@@ -1,13 +1,16 @@
 """Stand-in for ``rclpy.topic_endpoint_info``, and what nodes ask of the graph about each other."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import IntEnum
 from itertools import chain
 
-from drake_twin.nodes.graph import Graph
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
+from drake_twin.nodes.graph import Graph, hearing, publishing
+from drake_twin.nodes.graph_items import Publication, Reception
+from drake_twin.nodes.rclpy.duration import Duration
+from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, as_seen
 from drake_twin.nodes.task import present_task
+from drake_twin.twin.endpoints import Endpoint
 
 
 class TopicEndpointTypeEnum(IntEnum):
@@ -20,7 +23,7 @@ class TopicEndpointTypeEnum(IntEnum):
 
 @dataclass
 class TopicEndpointInfo:
-    """A publisher or a subscription of a topic; its profile tells the durability only."""
+    """A publisher or a subscription of a topic."""
 
     node_name: str
     node_namespace: str
@@ -45,11 +48,11 @@ class GraphQueries:
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         topic = self.resolve_topic_name(topic_name)
-        return self._infos(self._graph.publishers_of(topic), TopicEndpointTypeEnum.PUBLISHER, topic)
+        return self._infos(publishing(self._graph, topic), TopicEndpointTypeEnum.PUBLISHER)
 
     def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         topic = self.resolve_topic_name(topic_name)
-        return self._infos(self._graph.subscribers_of(topic), TopicEndpointTypeEnum.SUBSCRIPTION, topic)
+        return self._infos(hearing(self._graph, topic), TopicEndpointTypeEnum.SUBSCRIPTION)
 
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
@@ -73,22 +76,17 @@ class GraphQueries:
         name = self.resolve_service_name(service_name)
         return sum(name == each for each, _, _ in self._offers())
 
-    def _infos(self, found: list[tuple[str, str]], kind: TopicEndpointTypeEnum, topic: str) -> list[TopicEndpointInfo]:
+    def _infos(
+        self, found: Iterable[Endpoint | Publication | Reception], kind: TopicEndpointTypeEnum
+    ) -> list[TopicEndpointInfo]:
         present_task().count_idle_call()
         infos = []
-        for node, message in found:
-            namespace, _, name = node.rpartition("/")
-            info = TopicEndpointInfo(name, namespace or "/", message, kind)
-            if kind is TopicEndpointTypeEnum.PUBLISHER and self._is_latched(topic, node):
-                info.qos_profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
-            infos.append(info)
+        for item in found:
+            namespace, _, name = item.node.rpartition("/")
+            given = _profile_of(item) if isinstance(item, Endpoint) else item.profile
+            seen = as_seen(given or QoSProfile(depth=10), is_publisher=kind is TopicEndpointTypeEnum.PUBLISHER)
+            infos.append(TopicEndpointInfo(name, namespace or "/", item.type, kind, seen))
         return infos
-
-    def _is_latched(self, topic: str, node: str) -> bool:
-        """Return whether late subscribers of a topic get a node's last messages."""
-        graph = self._graph
-        twins = any(item.latched for item in graph.twin.graph.endpoints if item.name == topic and item.node == node)
-        return twins or any(item.depth for item in graph.publications.get(topic, ()) if item.node == node)
 
     def _offers(self) -> list[tuple[str, str, str]]:
         """Return name, node and type of each service that is offered."""
@@ -103,3 +101,13 @@ class GraphQueries:
             if kinds:
                 found.append((topic, kinds))
         return found
+
+
+def _profile_of(item: Endpoint) -> QoSProfile:
+    """Return the quality of service of a topic of the twin."""
+    return QoSProfile(
+        depth=item.depth or (1 if item.latched else 10),
+        reliability=ReliabilityPolicy.BEST_EFFORT if item.is_best_effort else ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if item.latched else DurabilityPolicy.VOLATILE,
+        lifespan=None if item.lifespan is None else Duration(seconds=item.lifespan),
+    )

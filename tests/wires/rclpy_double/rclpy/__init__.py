@@ -40,9 +40,9 @@ def init(*, args=None, context=None, domain_id=None):
     context.is_valid = True
 
 
-def create_node(name, *, namespace="/", context=None, **_):
+def create_node(name, *, namespace="/", context=None, enable_rosout=True, **_):
     """Return a new node."""
-    return Node(name, namespace, context)
+    return Node(name, namespace, context, enable_rosout=enable_rosout)
 
 
 def get_rmw_implementation_identifier():

@@ -249,15 +249,17 @@ class Client(End):
 
 
 class Node:
-    """A node, which publishes the events of its parameters."""
+    """A node, which publishes the events of its parameters, and its log."""
 
-    def __init__(self, name, namespace, context):
+    def __init__(self, name, namespace, context, *, enable_rosout):
         assert context.is_valid
         if not re.fullmatch(r"\w+", name):
             raise InvalidNodeNameException(name)
         self.name, self.namespace, self.context = name, namespace, context
         GRAPH.nodes.append(self)
         self._events = Publisher(self, _EVENT, "/parameter_events")
+        if enable_rosout:
+            self._log = Publisher(self, _LOG, "/rosout")
 
     def destroy_node(self):
         """Take it and its ends off the graph."""
@@ -322,6 +324,10 @@ class Node:
 
 class _EVENT:
     TYPE = "rcl_interfaces/msg/ParameterEvent"
+
+
+class _LOG:
+    TYPE = "rcl_interfaces/msg/Log"
 
 
 def padded(data):
