@@ -1,6 +1,6 @@
 """The parameters of a robot's ``controller_manager`` and ``robot_state_publisher``, as these declare them in ROS.
 
-Source: ``controller_manager_parameters.yaml`` of ros2_control and ``robot_state_publisher.cpp``, of Jazzy. A parameter
+Source: ``controller_manager_parameters.yaml`` of Jazzy's ros2_control and ``robot_state_publisher.cpp``. A parameter
 that has no effect here is declared all the same, so that programs which set it find it.
 """
 
