@@ -20,7 +20,7 @@ def of(launched, what):
 
 
 def test_all_launch_files_are_here():
-    assert len(LAUNCH_FILES) == 9
+    assert len(LAUNCH_FILES) == 13
 
 
 @pytest.mark.parametrize("file", LAUNCH_FILES, ids=lambda file: file.name)

@@ -75,7 +75,8 @@ def test_parameters_are_described_dumped_and_loaded(tool, tmp_path):
     assert "  update_rate (type: integer)\n" in tool(param, "list", manager, "--param-type")[1]
     assert tool(param, "list", manager, "--filter", "use")[1] == "  use_sim_time\n"
     assert tool(param, "describe", manager, "update_rate")[1] == (
-        "Parameter name: update_rate\n  Type: integer\n  Constraints:\n    Read only: true\n"
+        "Parameter name: update_rate\n  Type: integer\n  Description: The rate at which controllers are updated (Hz)\n"
+        f"  Constraints:\n    Read only: true\n    Min value: 1\n    Max value: {2**63 - 1}\n"
     )
     code, _, err = tool(param, "delete", manager, "update_rate")
     assert (code, err.split(":")[0]) == (1, "Deleting parameter failed")

@@ -30,7 +30,7 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
 DOMAIN = 120 + int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
 LIST = "/robot_1/robot_state_publisher/list_parameters"
-NAMES = ["use_sim_time", "robot_description", "frame_prefix", "publish_frequency"]
+NAMES = ["use_sim_time", "robot_description", "publish_frequency", "frame_prefix", "ignore_timestamp"]
 STEPS = "/drake_twin/simulate_steps/_action"
 
 
