@@ -86,9 +86,10 @@ def test_parameters_are_described_dumped_and_loaded(tool, tmp_path):
         "type": "forward_command_controller/ForwardCommandController"
     }
     (tmp_path / "same.yaml").write_text(out)
-    code, loaded, _ = tool(param, "load", manager, tmp_path / "same.yaml")
-    assert code == 0
-    assert "Set parameter update_rate successful\n" in loaded
+    code, loaded, err = tool(param, "load", manager, tmp_path / "same.yaml")
+    assert "Set parameter defaults.switch_controller.strictness successful\n" in loaded
+    assert "Set parameter update_rate failed: " in err
+    assert code == 1  # as the manager of ROS does, it refuses what is read-only, also where nothing changes
     (tmp_path / "other.yaml").write_text("/**:\n  ros__parameters:\n    update_rate: 7\n")
     assert tool(param, "load", manager, tmp_path / "other.yaml")[0] == 1
     assert "has no parameters" in tool.refused(param, "load", manager, tmp_path / "other.yaml", "--no-use-wildcard")
