@@ -14,6 +14,7 @@ ALLOWED = {
     "waiting.py": "the place where they wait",
     "mutants.py": "a program: it says how long the tests of each mutant took",
     "nodes/test_time.py": "that threads beside the nodes' have the real clock is what it tests",
+    "wires/outside_node.py": "a node beside the twin, which gives up after a while",
     "wires/rclpy_contract.py": "a program beside the twin, which runs on the real rclpy, too",
     "wires/rclpy_double/rclpy/impl/implementation_singleton.py": "it waits as rcl does, in a process of its own",
     "wires/rclpy_peer.py": "a program beside the twin, on the real rclpy",

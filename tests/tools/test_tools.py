@@ -232,7 +232,10 @@ def test_parameters(tool, twin):
     assert tool(param, "get", node, "use_sim_time", "--hide-type")[1] == "True\n"
     assert "  update_rate\n" in tool(param, "list", node)[1]
     assert f"{node}:\n" in tool(param, "list")[1]
-    assert tool(param, "set", node, "update_rate", 100)[:2] == (0, "Set parameter successful\n")
+    strictness = "defaults.switch_controller.strictness"
+    assert tool(param, "set", node, strictness, "strict")[:2] == (0, "Set parameter successful\n")
+    assert tool(param, "get", node, strictness)[1] == "String value is: strict\n"
+    assert tool(param, "set", node, strictness, "best_effort")[0] == 0
     code, _, err = tool(param, "set", node, "update_rate", 50)
     assert code == 1
     assert err.startswith("Setting parameter failed: ")
