@@ -5,8 +5,8 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from drake_twin.messages import interface_types
 from drake_twin.messages.interface_types import type_hash
+from drake_twin.messages.store import type_store
 from drake_twin.twin.twin import Twin
 
 
@@ -64,7 +64,7 @@ class RosClient:
         session = ZenohSession.get_instance("127.0.0.1", self._where["router_port"])
         for kind in kinds:
             type_hash(kind)  # some are read only when they are asked for
-        known = interface_types._store().fielddefs
+        known = type_store().fielddefs
         session.store.register({name: fields for name, fields in known.items() if name not in session.store.fielddefs})
         session._registered_types |= {kind: kind for kind in kinds}
 
