@@ -193,9 +193,9 @@ class DdsWire:
         """Take what has come for so many readers: a look at each of a thousand would take milliseconds."""
         if count and (found := self._discovery.take()):
             self._has_found = True
-            count -= found
+            count -= found  # which is below zero if more has come since
         for index, reading in enumerate(tuple(self._readings)):
-            if not count:
+            if count <= 0:
                 return
             if reading.take():
                 self._readings.insert(0, self._readings.pop(index))

@@ -386,6 +386,19 @@ def test_services_that_nobody_calls_are_not_looked_at(twin, monkeypatch):
     assert not taken
 
 
+def test_discovery_that_tells_more_than_was_announced(twin, monkeypatch):
+    """What comes between the wait and the look is counted too, and no service is looked at for it."""
+    wire, taken = wire_of(twin), []
+    wire._is_closed.set()
+    wire._thread.join()
+    monkeypatch.setattr(DdsServer, "take", lambda self: taken.append(self) or False)
+    monkeypatch.setattr(wire._discovery, "take", lambda: 3)
+    wire._take(1)
+    assert not taken
+    wire._take(4)
+    assert taken
+
+
 def test_spawns_and_deletes_leave_no_service(twin):
     readings = wire_of(twin)._readings
     before = len(readings)
