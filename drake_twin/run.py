@@ -110,7 +110,7 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
     if failure is not None:
         raise failure
     check_lost(run.twin.findings, keep_going=options.keep_going)
-    return 1 if options.strict and texts(run.twin.findings, Kind.FAILED) else 0
+    return 1 if texts(run.twin.findings, Kind.FAILED) and not options.keep_going else 0
 
 
 def _episode(options: argparse.Namespace) -> "EpisodeAgain | None":

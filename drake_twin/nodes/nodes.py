@@ -18,6 +18,7 @@ from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.imports import NodeFinder
 from drake_twin.nodes.interfaces import Interfaces
+from drake_twin.nodes.memory import most_memory
 from drake_twin.nodes.package_folders import PackageFolders
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.stand_ins import stand_in
@@ -39,6 +40,7 @@ class Nodes:
         services: Returns the services of a twin with its present robots.
         is_stopped: Whether the run is to end, so that no program is waited for.
         patience: The processor's time (s) that a program may use in one turn.
+        memory: How much memory a program may take (bytes); `most_memory` by default.
 
     Attributes:
         graph: What the programs share with the twin.
@@ -56,13 +58,14 @@ class Nodes:
         services: Callable[[Twin], Iterable[ServiceEndpoint]] = lambda twin: (),
         is_stopped: Callable[[], bool] = lambda: False,
         patience: float = 20.0,
+        memory: float | None = None,
     ):
         programs = twin.scenario.nodes if programs is None else programs
         packages = PackageIndex(twin.scenario.package_paths)
         found = [find_program(program, packages) for program in programs]
         self._twin = twin
         self._waiting = list(zip(programs, found, range(len(found)), strict=True))
-        self._turns = Turns(self, patience, is_stopped)
+        self._turns = Turns(self, patience, most_memory() if memory is None else memory, is_stopped)
         self._turns.outsider, self._turns.newcomer = self._use_inbox, self._look_soon
         self._uses_inbox = False
         self._turns.set_time(twin.time, twin.clock.time_step)
@@ -172,9 +175,11 @@ class Nodes:
 
     # What becomes of programs ----------------------------------------------------------------------------------------
 
-    def failed(self, program: Program, why: str) -> None:
-        """Take note of a program that has failed."""
-        self._find(Kind.FAILED, f"node {program.what}: {why}")
+    def failed(self, program: Program, why: str, error: BaseException | None = None) -> None:
+        """Take note of a program that has failed, and of the error that has ended it."""
+        finding = Finding(Kind.FAILED, f"node {program.what}: {why}")
+        self._twin.more_findings.append(finding)
+        _log.error("%s", finding, exc_info=error)
 
     def ignored(self, program: Program, what: str) -> None:
         """Take note of something that a program asks of ROS and the twin does not do."""
@@ -192,22 +197,17 @@ class Nodes:
 
     def blocked(self, task: Task) -> None:
         """Take note of a thread that waits for something outside, while the simulation continues."""
-        place = _where(task)
+        place = _place(task)
         if (task.program.index, place) not in self._blocked:
             self._blocked.add((task.program.index, place))
+            where = f" ({place})" if place else ""
             _log.warning(
-                "node %s waits for something outside of the simulation, which continues%s", task.program.what, place
+                "node %s waits for something outside of the simulation, which continues%s", task.program.what, where
             )
 
-    def abandoned(self, task: Task, seconds: float) -> None:
-        """Take note of a thread that has not given the baton back for some wall time."""
-        what = f"it has computed for {seconds:.0f} s without a spin or a sleep, and is ended{_where(task)}"
-        self._find(Kind.FAILED, f"node {task.program.what}: {what}")
-
-    def _find(self, kind: Kind, what: str) -> None:
-        finding = Finding(kind, what)
-        self._twin.more_findings.append(finding)
-        _log.error("%s", finding)
+    def exceeded(self, task: Task, what: str) -> None:
+        """Take note of a thread whose program takes too much, and has to end."""
+        task.program.stop(what, _place(task))
 
 
 def find_program(node: NodeProgram, packages: PackageIndex) -> PythonProgram:
@@ -247,7 +247,8 @@ def _folder_of(packages: PackageIndex, files: Sequence[Path]) -> Callable[[str],
     return folder_of
 
 
-def _where(task: Task) -> str:
+def _place(task: Task) -> str:
+    """Return the file and line of a program's own code that a thread runs; empty without one."""
     frame = None if task.thread is None else sys._current_frames().get(task.thread.ident or 0)
-    place = task.program.place(frame)
-    return f" ({place})" if place else ""
+    place: str = task.program.place(frame)
+    return place
