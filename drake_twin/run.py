@@ -18,7 +18,7 @@ from drake_twin.cli.build_line import build_line
 from drake_twin.cli.html_file import html_file
 from drake_twin.cli.launch_arguments import launch_arguments
 from drake_twin.cli.lost import check_lost
-from drake_twin.cli.node_options import start_nodes
+from drake_twin.cli.node_options import end_of_launch, start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
 from drake_twin.cli.plugins import load_plugins
@@ -150,6 +150,7 @@ class _Run:
         simulated: The time simulated so far (s).
         wall_time: The duration so far (s).
         failure: The error that ended the run; the twin is in its last good state then.
+        is_shut_down: Whether the end of a node has ended it.
     """
 
     def __init__(
@@ -165,6 +166,7 @@ class _Run:
         self.twin = twin
         self.simulated = self.wall_time = 0.0
         self.failure: RunError | None = None
+        self.is_shut_down = False
         self._target = target
         self._page, self._graph = shown_on
         self._observers = observers
@@ -182,7 +184,8 @@ class _Run:
                 self.failure = error
             self.wall_time += time.perf_counter() - start
             self.simulated += self.twin.clock.simulated - begin
-            if self.failure is not None or self._stopped or self._watch is None or not self._watch.has_changed:
+            is_over = self.failure is not None or self._stopped or self.is_shut_down
+            if is_over or self._watch is None or not self._watch.has_changed:
                 return
             self.twin, self._target, self._watch = rebuilt_twin(self.twin, self._target, self._options, self._watch)
 
@@ -202,7 +205,8 @@ class _Run:
             process_requests()
             observe()
             status.show()
-            return not self._stopped and (self._watch is None or not self._watch.poll())
+            is_shut_down = nodes is not None and nodes.shutdown_reason is not None
+            return not (self._stopped or is_shut_down) and (self._watch is None or not self._watch.poll())
 
         try:
             twin.run(
@@ -216,6 +220,7 @@ class _Run:
             status.end()
             if nodes is not None:
                 nodes.close()
+                self.is_shut_down = end_of_launch(nodes)
         observe()
 
 

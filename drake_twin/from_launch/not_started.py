@@ -1,9 +1,12 @@
 """The reasons why nodes of a launch file are not started."""
 
 import re
+from collections.abc import Collection, Iterator
 from difflib import get_close_matches
+from pathlib import Path
 
-from drake_twin.ros2.launched import LaunchedProcess
+from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.ros2.launched import Launched, LaunchedProcess, UnfiredHandler
 
 # A word of "package/executable" → the reason; the first match applies.
 _WINDOWS = {
@@ -70,6 +73,25 @@ def why_not_started(process: LaunchedProcess) -> str:
     if reason is None and process.package is None:
         reason = "of programs, the twin starts only Python nodes"
     return f"{what} ({reason or _NO_PYTHON})"
+
+
+def never_happened(launched: Launched, file: Path, happens: Collection[UnfiredHandler]) -> Iterator[Finding]:
+    """Yield findings of what a launch file has and nothing comes of.
+
+    Args:
+        launched: The result of its evaluation.
+        file: The launch file.
+        happens: The handlers whose event comes when a node has ended.
+    """
+    for include in launched.failed_includes:
+        yield Finding.at(Kind.NOT_STARTED, f"include {include.what} ({include.reason})", include.place)
+    for handler in (item for item in launched.unfired_handlers if item not in happens):
+        yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
+    yield from at_places(Kind.REFUSED_BY_ROS, ((item.what, item.place) for item in launched.refused_by_ros))
+    for name, close in launched.undeclared_arguments.items():
+        hint = f". Did you mean {close!r}?" if close else ""
+        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it){hint}", Place(str(file)))
+    yield from at_places(Kind.IGNORED, ((item.what, item.place) for item in launched.lost_arguments))
 
 
 def _reason(reasons: dict[str, str], what: str) -> str | None:

@@ -96,6 +96,12 @@ class EventQueue:
             if not self.is_shutdown:
                 call()
 
+    def come_to_rest(self, handlers: list[Handler], time: float) -> None:
+        """Be as before something was evaluated that may follow later."""
+        self.handlers, self.time = handlers, time
+        self.is_shutdown, self.shutdown_reason = False, None
+        self._queue.clear()
+
     def shut_down(self, event: Any) -> None:
         """End the launch: the OnShutdown handlers run, and nothing starts any more."""
         if not self.is_shutdown:
