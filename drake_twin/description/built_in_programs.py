@@ -8,6 +8,7 @@ _FOLDER = Path(__file__).parents[1] / "nodes" / "programs"
 # Package → executable → the module here and its function.
 _PROGRAMS = {
     "joint_state_publisher": {"joint_state_publisher": ("joint_state_publisher", "main")},
+    "robot_localization": {"ekf_node": ("ekf_node", "main")},
     "teleop_twist_keyboard": {"teleop_twist_keyboard": ("teleop_twist_keyboard", "main")},
     "twist_mux": {"twist_mux": ("twist_mux", "main")},
     "topic_tools": {
