@@ -90,9 +90,10 @@ class KalmanFilter:
         transfer[POSITION, VELOCITY], transfer[POSITION, ACCELERATION] = R * dt, 0.5 * R * dt * dt
         transfer[ORIENTATION, TURN], transfer[VELOCITY, ACCELERATION] = rates * dt, np.eye(3) * dt
         jacobian = transfer.copy()
-        jacobian[POSITION, 3] = R @ np.cross((1.0, 0.0, 0.0), move)
-        jacobian[POSITION, 4] = rotation(0.0, 0.0, yaw) @ np.cross((0.0, 1.0, 0.0), rotation(roll, pitch, 0.0) @ move)
-        jacobian[POSITION, 5] = np.cross((0.0, 0.0, 1.0), R @ move)
+        (x, y, z), cy, sy = R @ move, cos(yaw), sin(yaw)
+        jacobian[POSITION, 3] = R @ (0.0, -move[2], move[1])
+        jacobian[POSITION, 4] = cy * z, sy * z, -cy * x - sy * y
+        jacobian[POSITION, 5] = -y, x, 0.0
         by_roll, by_pitch = _rate_changes(roll, pitch)
         jacobian[ORIENTATION, 3] += by_roll @ turn * dt
         jacobian[ORIENTATION, 4] += by_pitch @ turn * dt
