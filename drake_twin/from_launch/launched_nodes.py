@@ -11,6 +11,7 @@ from drake_twin.description.python_programs import is_python, python_programs
 from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.launched_robots import LaunchedRobot, parameter_file
 from drake_twin.ros2.launched import (
+    COMPONENT,
     NODE,
     PROCESS,
     Ending,
@@ -49,11 +50,12 @@ def launched_node(process: LaunchedProcess, packages: PackageIndex, findings: li
 
 
 def _node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | None:
-    if process.kind != NODE or process.package is None:
+    if process.kind not in (NODE, COMPONENT) or process.package is None:
         return None
     known = built_in_programs(process.package)
-    with suppress(MissingPackageError):
-        known |= python_programs(packages.find(process.package, process.place.file))
+    if process.kind == NODE:
+        with suppress(MissingPackageError):
+            known |= python_programs(packages.find(process.package, process.place.file))
     if process.executable not in known:
         return None
     namespace = "" if process.namespace == "/" else process.namespace

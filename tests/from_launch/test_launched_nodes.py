@@ -59,6 +59,14 @@ def test_what_is_no_python_program_of_a_package_is_no_node(packages, process):
     assert started(process, packages) == (None, [])
 
 
+def test_a_component_that_the_twin_has_itself_is_a_node(packages):
+    component = node("image_proc", "image_proc::RectifyNode", "component", name="r", namespace="/camera")
+    found, _ = started(component, packages)
+    assert (found.package, found.executable) == ("image_proc", "image_proc::RectifyNode")
+    assert "__ns:=/camera" in found.arguments
+    assert started(node("image_proc", "image_proc::DebayerNode", "component"), packages) == (None, [])
+
+
 def test_a_program_that_the_twin_has_itself_needs_no_package(packages):
     found, _ = started(node("topic_tools", "relay"), packages)
     assert (found.package, found.executable) == ("topic_tools", "relay")
