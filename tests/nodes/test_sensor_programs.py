@@ -1,5 +1,7 @@
 """The programs that convert what sensors publish, in a twin: depth images, clouds, pictures, joysticks."""
 
+import sys
+
 import pytest
 from conftest import rovers
 from node_runs import lines, script
@@ -191,13 +193,19 @@ def test_a_picture_without_distortion_passes(tmp_path, capsys):
 
 def test_a_picture_is_rectified(tmp_path, capsys):
     """The point is where its ray x = (u - cx)/fx of the straight picture goes by Brown's model."""
-    pytest.importorskip("cv2", reason="OpenCV is an extra")
+    pytest.importorskip("cv2", reason="OpenCV is not installed")
     k1 = -0.25
     assert run(tmp_path, RECTIFY.replace("DISTORTION", f"[{k1}, 0.0, 0.0, 0.0, 0.0]"), RECTIFIER) == []
     *_, u, v = lines(capsys)[-1].split()
     x, y = (int(u) - 30) / 40, (int(v) - 20) / 40
     factor = 1 + k1 * (x * x + y * y)
     assert (30 + 40 * x * factor, 20 + 40 * y * factor) == pytest.approx((12, 10), abs=0.75)
+
+
+def test_a_distorted_picture_needs_opencv(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    (what,) = run(tmp_path, RECTIFY.replace("DISTORTION", "[-0.25, 0.0, 0.0, 0.0, 0.0]"), RECTIFIER)
+    assert "image_proc/rectify_node: ImportError: rectification needs OpenCV: pip install opencv-python-headless" in what
 
 
 JOY = """
