@@ -205,7 +205,9 @@ def test_a_picture_is_rectified(tmp_path, capsys):
 def test_a_distorted_picture_needs_opencv(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     (what,) = run(tmp_path, RECTIFY.replace("DISTORTION", "[-0.25, 0.0, 0.0, 0.0, 0.0]"), RECTIFIER)
-    assert "image_proc/rectify_node: ImportError: rectification needs OpenCV: pip install opencv-python-headless" in what
+    assert (
+        "image_proc/rectify_node: ImportError: rectification needs OpenCV: pip install opencv-python-headless" in what
+    )
 
 
 JOY = """
