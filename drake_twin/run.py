@@ -89,6 +89,8 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         _draw_diagram(twin, options.graphviz)
         check_lost(twin.findings, keep_going=options.keep_going)
         return 0
+    if options.duration is None:
+        options.duration = target.end
     announce(twin, target, options)
     if target.paused and page is not None:
         twin.pause()

@@ -102,6 +102,7 @@ class LaunchedEntities:
         packages: Resolves the packages in its files.
         folders: The folders of these packages.
         paused: Whether the simulator starts paused, like gz without ``-r``.
+        end: The simulation time (s) at which a timer of the launch file ends it; None without one.
         only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
         bridges: The topics that bridges carry; None where no bridge is started.
         nodes: The users' own Python nodes.
@@ -121,6 +122,7 @@ class LaunchedEntities:
     bridges: tuple[BridgeLine, ...] | None = None
     sensing: tuple[WorldModel, ...] = ()
     nodes: tuple[NodeProgram, ...] = ()
+    end: float | None = None
     findings: tuple[Finding, ...] = ()
     log: tuple[str, ...] = field(default=())
 
@@ -184,6 +186,7 @@ class _Sorter:
             only_displayed=found.only_displayed,
             bridges=self._bridges,
             nodes=tuple(self._nodes),
+            end=self._launched.shutdown_time or None,
             findings=tuple(self._findings),
             log=tuple(self._log),
         )

@@ -74,6 +74,9 @@ def _evaluated(
             try:
                 enter_file(path, load(context), context, None)
                 context.events.run()
+                reason, end = context.events.shutdown_reason, context.events.shutdown_time
+                if end:  # nodes may end before
+                    context.events.come_to_rest(context.events.handlers, end)
                 found = tuple(endings(context))
             except AbsentError as error:
                 raise _with_all_absent(error, context) from None
@@ -91,7 +94,8 @@ def _evaluated(
         log=tuple(context.log),
         refused_by_ros=tuple(context.refused),
         configurations={name: value for name, value in context.launch_configurations.items() if isinstance(value, str)},
-        shutdown=context.events.shutdown_reason,
+        shutdown=reason,
+        shutdown_time=end,
         endings=found,
     )
 

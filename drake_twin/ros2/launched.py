@@ -215,6 +215,7 @@ class Launched:
         refused_by_ros: What ROS 2 refuses in the files, and the twin reads.
         configurations: The launch configurations at the end.
         shutdown: The reason of a Shutdown that was reached; None without one.
+        shutdown_time: Its simulation time (s); None without one.
         endings: What follows when processes end that keep running.
     """
 
@@ -228,6 +229,7 @@ class Launched:
     refused_by_ros: tuple[Noted, ...] = ()
     configurations: Mapping[str, str] = field(default_factory=dict)
     shutdown: str | None = None
+    shutdown_time: float | None = None
     endings: tuple[Ending, ...] = ()
 
 

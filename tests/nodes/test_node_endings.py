@@ -123,6 +123,18 @@ def test_a_required_node_ends_the_run(tmp_path, capsys, entities, code):
     assert "1 robot, 0.200 s simulated" in out
 
 
+@pytest.mark.parametrize(("more", "end"), [((), "0.300"), (("--duration", "0.2"), "0.200")])
+def test_a_timer_that_shuts_down_ends_the_run(tmp_path, capsys, more, end):
+    file = launch_file(
+        tmp_path,
+        'TimerAction(period=0.3, actions=[Shutdown(reason="time is over")]),step("a", 1, on_exit=[step("b", 9)]),',
+    )
+    assert main([str(file), "--headless", "--package-path", str(tmp_path), *more]) == 0
+    out = capsys.readouterr().out
+    assert f"1 robot, {end} s simulated" in out
+    assert "b 0.1" in out
+
+
 def test_a_required_node_ends_all_nodes_of_a_twin_in_python(tmp_path, capsys):
     _, _, nodes = run(tmp_path, 'step("a", 2, on_exit=Shutdown()), step("b", 1, respawn=True, respawn_delay=0.15)', 1.0)
     assert nodes.shutdown_reason == "reason not given"
