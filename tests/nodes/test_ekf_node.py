@@ -3,6 +3,7 @@
 from math import asin, hypot
 
 import pytest
+from conftest import rovers
 from node_runs import lines, script
 
 from drake_twin import Twin
@@ -155,3 +156,58 @@ for _ in range(2):
     said = lines(capsys)
     assert [line for line in said if line.startswith("toggled")] == ["toggled True", "toggled False"]
     assert max(float(line.split()[4]) for line in said if line.startswith("pose")) < 41.0
+
+
+def test_an_imu_that_is_mounted_askew_feels_nothing_at_rest(tmp_path, capsys):
+    """Its attitude is its mounting, and what it feels is gravity: the robot stands level and does not accelerate."""
+    text = """
+import rclpy
+from geometry_msgs.msg import AccelWithCovarianceStamped, TransformStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu
+from tf2_ros import StaticTransformBroadcaster
+
+rclpy.init()
+node = rclpy.create_node("user")
+transform = TransformStamped(child_frame_id="imu_link")
+transform.header.frame_id = "base_link"
+mounting = transform.transform.rotation
+mounting.x = mounting.w = 0.5 ** 0.5  # a quarter turn about x: the sensor's y is up
+frames = StaticTransformBroadcaster(node)
+frames.sendTransform(transform)
+publisher = node.create_publisher(Imu, "/imu", 10)
+
+def tick():
+    imu = Imu(orientation=mounting)
+    imu.header.stamp, imu.header.frame_id = node.get_clock().now().to_msg(), "imu_link"
+    imu.linear_acceleration.y = 9.80665
+    for covariance in (imu.orientation_covariance, imu.linear_acceleration_covariance):
+        covariance[0] = covariance[4] = covariance[8] = 0.01
+    publisher.publish(imu)
+
+def accelerates(message):
+    a = message.accel.accel.linear
+    print("accel", *(round(value, 9) + 0.0 for value in (a.x, a.y, a.z)))
+
+def stands(message):
+    q = message.pose.pose.orientation
+    print("stands", *(round(value, 9) + 0.0 for value in (q.x, q.y, q.z, q.w)))
+
+node.create_timer(0.05, tick)
+node.create_subscription(AccelWithCovarianceStamped, "/accel/filtered", accelerates, 10)
+node.create_subscription(Odometry, "/odometry/filtered", stands, 10)
+rclpy.spin(node)
+"""
+    config = [False] * 3 + [True] * 3 + [False] * 6 + [True] * 3
+    words = ["-p", "publish_acceleration:=true", "-p", "imu0:=/imu", "-p", f"imu0_config:={str(config).lower()}"]
+    words += ["-p", "imu0_remove_gravitational_acceleration:=true"]
+    programs = [
+        NodeProgram(str(script(tmp_path, "user.py", text))),
+        NodeProgram("ekf_node", "robot_localization", ("--ros-args", *words)),
+    ]
+    with rovers(1, time_step=0.01).build() as twin:
+        nodes = Nodes(twin, programs)
+        twin.advance_to(0.5)
+        nodes.close()
+        assert twin.more_findings == []
+    assert set(lines(capsys)) == {"accel 0.0 0.0 0.0", "stands 0.0 0.0 0.0 1.0"}

@@ -1,11 +1,13 @@
 """``robot_localization/ekf_node``: odometry, poses, twists and IMUs fused to one estimate and its transform.
 
 Source: cra-ros-pkg/robot_localization (ros2), src/ros_filter.cpp. Diagnostics, control inputs, ``smooth_lagged_data``
-and ``…_pose_use_child_frame`` are not there.
+and ``…_pose_use_child_frame`` are not there. Gravity is removed in the IMU's frame, as in Humble: the source does it
+after the rotation to the robot's, so that some stays if an IMU is mounted askew.
 """
 
 import heapq
 from collections.abc import Callable
+from functools import partial
 from itertools import count
 from math import inf
 from typing import Any
@@ -71,7 +73,7 @@ class EkfNode(Node):
         self._base = value("base_link_frame", "base_link")
         self._output = value("base_link_frame_output", self._base)
         self._world = value("world_frame", self._odom)
-        if self._map == self._odom or self._odom == self._base or self._map == self._base:
+        if len({self._map, self._odom, self._base}) < 3:
             raise SystemExit("map_frame, odom_frame and base_link_frame must differ")
         if self._world not in (self._map, self._odom):
             raise SystemExit(f"world_frame is {self._world!r}, but must be map_frame or odom_frame")
@@ -147,7 +149,7 @@ class EkfNode(Node):
                 sources = self._sources_of(kind, name)
                 self._sources += sources
                 profile = QoSProfile(depth=max(1, int(self.value(f"{name}_queue_size", 10))))
-                self.create_subscription(message_type, topic, _with(hear, sources), profile)
+                self.create_subscription(message_type, topic, partial(hear, *sources), profile)
 
     def _sources_of(self, kind: str, name: str) -> list[Source]:
         config = self.value(f"{name}_config", [False] * SIZE)
@@ -170,17 +172,17 @@ class EkfNode(Node):
 
     # Messages --------------------------------------------------------------------------------------------------------
 
-    def _hear_odometry(self, message: Any, pose: Source, twist: Source) -> None:
+    def _hear_odometry(self, pose: Source, twist: Source, message: Any) -> None:
         self._pose(pose, message.header, message.pose)
         self._twist(twist, message.header, message.child_frame_id, message.twist)
 
-    def _hear_pose(self, message: Any, pose: Source) -> None:
+    def _hear_pose(self, pose: Source, message: Any) -> None:
         self._pose(pose, message.header, message.pose)
 
-    def _hear_twist(self, message: Any, twist: Source) -> None:
+    def _hear_twist(self, twist: Source, message: Any) -> None:
         self._twist(twist, message.header, message.header.frame_id, message.twist)
 
-    def _hear_imu(self, message: Any, pose: Source, twist: Source, acceleration: Source) -> None:
+    def _hear_imu(self, pose: Source, twist: Source, acceleration: Source, message: Any) -> None:
         """Take what an IMU has; where it has nothing, its covariance begins with -1."""
         if message.orientation_covariance[0] != -1:
             own = PoseWithCovarianceStamped(header=message.header).pose
@@ -249,14 +251,15 @@ class EkfNode(Node):
             return
         covariance = np.array(message.linear_acceleration_covariance).reshape(3, 3)
         turn = self._filter.state[TURN], self._angular_acceleration
-        put_acceleration(measurement, source, motion, _vector(message.linear_acceleration), covariance, turn)
+        own = _vector(message.linear_acceleration)
         if source.name in self._without_gravity:
             attitude = _matrix(message.orientation)
             if message.orientation_covariance[0] == -1:
                 attitude = rotation(*self._filter.state[ORIENTATION]) @ motion[0]
             elif source.is_relative:
                 attitude = attitude @ motion[0]
-            measurement.values[ACCELERATION] -= attitude.T @ np.array((0.0, 0.0, self._gravity))
+            own = own - attitude.T @ np.array((0.0, 0.0, self._gravity))
+        put_acceleration(measurement, source, motion, own, covariance, turn)
         self._put(measurement)
 
     # The estimate ----------------------------------------------------------------------------------------------------
@@ -378,10 +381,6 @@ def _matrix(rotation_message: Any) -> np.ndarray:
 
 def _vector(message: Any) -> np.ndarray:
     return np.array((message.x, message.y, message.z))
-
-
-def _with(hear: Callable[..., None], sources: list[Source]) -> Callable[[Any], None]:
-    return lambda message: hear(message, *sources)
 
 
 def _set_vector(message: Any, values: np.ndarray) -> None:
