@@ -24,6 +24,7 @@ from drake_twin.twin.twin import Twin
 _log = logging.getLogger(__name__)
 _CONTINUE = 10_000_000  # ns of simulation time between two looks at a service's answer that takes longer
 _MOST_LINES = 1000
+_FRAMES, _TRANSFORMS = ("/tf", "/tf_static"), "tf2_msgs/msg/TFMessage"
 _NUMBERS = "std_msgs/msg/Float64MultiArray"  # of which controllers read the numbers only
 
 
@@ -128,6 +129,9 @@ class Graph:
         if not self.is_open:
             return
         topic, item = publication.topic, self._commanded.get(publication.topic)
+        if topic in _FRAMES and publication.type == _TRANSFORMS:
+            placed = {transform.child_frame_id.removeprefix("/") for transform in message.transforms}
+            self.twin.diagram.GetSubsystemByName("tf").placed_by_others |= placed
         receptions = self.receptions.get(topic)
         if item is not None and item.type == publication.type:
             try:
