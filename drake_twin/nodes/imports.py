@@ -8,11 +8,12 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 
+from drake_twin.description.python_modules import module_spec
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.task import here
 
@@ -25,11 +26,18 @@ class NodeFinder(importlib.abc.MetaPathFinder):
     Args:
         sources: Return the modules that stand in for ROS's.
         folder_of: Returns the folder of a ROS package; None without one.
+        packages: Returns the folders of all packages of the workspace.
     """
 
-    def __init__(self, sources: Sequence[Source], folder_of: Callable[[str], Path | None]):
+    def __init__(
+        self,
+        sources: Sequence[Source],
+        folder_of: Callable[[str], Path | None],
+        packages: Callable[[], Iterable[Path]] = tuple,
+    ):
         self._sources = sources
         self._folder_of = folder_of
+        self._packages = packages
         self._is_busy = False
 
     def find_spec(
@@ -63,11 +71,11 @@ class NodeFinder(importlib.abc.MetaPathFinder):
         return spec
 
     def _in_workspace(self, name: str) -> ModuleSpec | None:
-        """Return the Python package that a ROS package of this name installs."""
+        """Return the Python module that a ROS package installs: the one of this name, or else any."""
         folder = self._folder_of(name)
-        if folder is None or not (folder / name).is_dir():
-            return None
-        return PathFinder.find_spec(name, [str(folder)])
+        if folder is not None and (spec := module_spec(name, [folder])) is not None:
+            return spec
+        return None if PathFinder.find_spec(name) is not None else module_spec(name, self._packages())
 
 
 class _Given(importlib.abc.Loader):
