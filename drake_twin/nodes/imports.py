@@ -16,6 +16,7 @@ from types import ModuleType
 from drake_twin.description.python_modules import module_spec
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.task import here
+from drake_twin.nodes.windows import opencv_spec, replace_windows
 
 Source = Callable[[str], ModuleType | None]  # a module's full name → the module
 
@@ -39,6 +40,8 @@ class NodeFinder(importlib.abc.MetaPathFinder):
         self._folder_of = folder_of
         self._packages = packages
         self._is_busy = False
+        if "cv2" in sys.modules:
+            replace_windows(sys.modules["cv2"])
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -57,7 +60,8 @@ class NodeFinder(importlib.abc.MetaPathFinder):
     def _find(
         self, program: Program, fullname: str, root: str, dot: str, path: Sequence[str] | None
     ) -> ModuleSpec | None:
-        spec = None
+        if (spec := opencv_spec(fullname)) is not None:
+            return spec
         for source in self._sources:
             if (module := source(fullname)) is not None:
                 program.lent.add(fullname)  # until the baton is given back
