@@ -13,8 +13,9 @@ from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 
-from drake_twin.description.python_modules import module_spec
+from drake_twin.description.python_modules import module_spec, python_modules
 from drake_twin.nodes.program import Program
+from drake_twin.nodes.stand_ins import YIELDING
 from drake_twin.nodes.task import here
 from drake_twin.nodes.windows import opencv_spec, replace_windows
 
@@ -62,7 +63,8 @@ class NodeFinder(importlib.abc.MetaPathFinder):
     ) -> ModuleSpec | None:
         if (spec := opencv_spec(fullname)) is not None:
             return spec
-        for source in self._sources:
+        own = root in YIELDING and (folder := self._folder_of(root)) is not None and root in python_modules(folder)
+        for source in () if own else self._sources:
             if (module := source(fullname)) is not None:
                 program.lent.add(fullname)  # until the baton is given back
                 return ModuleSpec(fullname, _Given(module), is_package=hasattr(module, "__path__"))
