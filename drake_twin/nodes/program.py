@@ -152,6 +152,8 @@ class Program:
                 if task.is_daemon:
                     task.end(Abandoned)
             self._teller.ended(self)
+            if (own := here()) is not None and own.is_outside:  # no `leave` follows
+                self.modules.clear()
 
     def exit(self, code: int) -> None:
         """End its other threads, and do nothing at its end."""

@@ -19,14 +19,15 @@ MEGABYTES = 1 << 20
 
 
 def run(folder, text, until=0.25, **limits):
-    """What a node that takes too much has said, with its program and the resident memory at the end."""
+    """What a node that takes too much has said, with its program and how much memory is left of it."""
     file, witness = script(folder, "f.py", text), script(folder, "witness.py", WITNESS)
     with Twin(rovers(1).node(file).node(witness).scenario()) as twin:
-        nodes = Nodes(twin, **limits)
+        nodes, before = Nodes(twin, **limits), resident()
         try:
             twin.advance_to(until)
             (finding,) = (item for item in twin.findings if item.kind is Kind.FAILED)
-            return finding.what.replace(str(file), "FILE"), nodes.programs[0], resident()
+            nodes.programs[0].main.thread.join()
+            return finding.what.replace(str(file), "FILE"), nodes.programs[0], resident() - before
         finally:
             nodes.close()
 
@@ -41,11 +42,10 @@ def run(folder, text, until=0.25, **limits):
     ids=["in one turn", "a little in each turn"],
 )
 def test_a_node_that_eats_memory_is_ended_and_gives_it_back(tmp_path, capsys, text):
-    before = resident()
-    what, program, after = run(tmp_path, text, memory=200 * MEGABYTES)
+    what, program, left = run(tmp_path, text, memory=200 * MEGABYTES)
     assert what.startswith("node f.py: it has taken more than 0.195 GiB of memory, and is ended (FILE:")
     assert program.exit_code == -signal.SIGKILL
-    assert after < before + 150 * MEGABYTES
+    assert left < 100 * MEGABYTES
     assert lines(capsys) == ["here", "here"]
 
 
