@@ -153,7 +153,7 @@ class Executor:
     def _due(self) -> float:
         due = inf
         for node in self._nodes:
-            for timer in node.timers_of_clock:
+            for timer in node._timers:
                 if (own := timer.due()) < due and timer.callback_group.can_execute(timer):
                     due = own
         return due

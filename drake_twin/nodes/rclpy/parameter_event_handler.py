@@ -8,7 +8,7 @@ from typing import Any
 from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.callback_groups import CallbackGroup
 from drake_twin.nodes.rclpy.node import Node
-from drake_twin.nodes.rclpy.qos import qos_profile_parameter_events
+from drake_twin.nodes.rclpy.qos_profiles import qos_profile_parameter_events
 
 
 class ParameterEventCallbackHandle:
