@@ -1,0 +1,5 @@
+"""Stand-in for ``rclpy.impl.implementation_singleton``."""
+
+from drake_twin.nodes.rclpy import _rclpy_pybind11 as rclpy_implementation
+
+__all__ = ["rclpy_implementation"]
