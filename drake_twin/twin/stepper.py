@@ -205,8 +205,9 @@ class Stepper:
             physics.context.SetTime(now + _INSTANT)
         else:
             step = round(now / time_step)
-            next_step = step + 1
-            physics.context.SetTime(step * time_step if now < step * time_step else (step + 0.5) * time_step)
+            is_early = now < step * time_step
+            next_step = step if is_early else step + 1
+            physics.context.SetTime(step * time_step if is_early else (step + 0.5) * time_step)
         physics.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         physics.simulator.AdvanceTo(physics.time_of(next_step))
 

@@ -11,6 +11,13 @@ from drake_twin.twin.stepper import Stepper
 WHEELS = "/r/wheels/commands"
 
 
+def drive(left, right):
+    """Return a controller that drives by two wheels at once, without limits."""
+    parameters = {"left_wheel_names": [left], "right_wheel_names": [right]}
+    sizes = {"wheel_separation": 0.5, "wheel_radius": 0.1, "use_stamped_vel": False, "cmd_vel_timeout": 9.0}
+    return "diff_drive_controller/DiffDriveController", parameters | sizes
+
+
 @pytest.fixture
 def make(tmp_path):
     return lambda kind=velocities, **options: hinges(tmp_path, {"wheels": kind("left", "right")}, **options).build()
@@ -109,3 +116,16 @@ def test_a_time_is_met_although_a_callback_changes_the_step_on_the_way(make):
     twin.advance_to(2.0)
     assert (twin.time, twin.clock.time_step) == (2.0, 0.005)
     assert twin.context.get_time() == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("engine", ["discrete", "cenic"])
+def test_no_stamp_is_left_out_where_a_controller_ends_an_advance(make, engine):
+    """Every 11 ms, of which .055 s and others are a rounding before their step: the clock tells of each step."""
+    twin, stamps = make(drive, rate=1 / 0.011, time_step=0.001, engine=engine), []
+    twin.graph.subscribe("/clock", lambda message: stamps.append(round(message.clock.nanosec / 1e6)), None)
+    for update in range(30):  # each starts or stops the wheels
+        twin.publish("/r/wheels/cmd_vel_unstamped", {"linear": {"x": 0.3 * (update % 2)}})
+        twin.step(11)
+    twin.step()
+    assert stamps == list(range(len(stamps)))
+    assert len(stamps) > 330

@@ -4,9 +4,16 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 from drake_twin.nodes.rclpy.logging import get_logging_severity_from_string, set_logger_level
 from drake_twin.nodes.task import here, present_task
-from drake_twin.ros2.ros_arguments import RosArguments, split_ros_arguments
+from drake_twin.ros2.ros_arguments import (
+    RosArguments,
+    RosArgumentsError,
+    UnknownRosArgumentsError,
+    check_ros_arguments,
+    split_ros_arguments,
+)
 
 
 class Context:
@@ -25,10 +32,10 @@ class Context:
             raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
         if self._has_begun:
             raise RuntimeError("Context.init() must only be called once")
-        given = list(sys.argv if args is None else args)
-        for argument in given:
-            argument.encode()
-        self.arguments = split_ros_arguments(given)
+        words = list(sys.argv if args is None else args)
+        for word in words:
+            word.encode()
+        self.arguments = checked_arguments(words, RCLError)
         for name, level in self.arguments.log_levels:
             set_logger_level(name, get_logging_severity_from_string(level))
         self.is_valid = self._has_begun = True
@@ -78,6 +85,22 @@ class Context:
 
     def __exit__(self, *_: object) -> None:
         self.try_shutdown()
+
+
+def checked_arguments(words: Sequence[str], error_class: type[RCLError]) -> RosArguments:
+    """Return a command line's arguments.
+
+    Raises:
+        RCLError: If rcl refuses one, of the class that is given.
+        UnknownROSArgsError: If one is unknown.
+    """
+    try:
+        check_ros_arguments(words)
+    except RosArgumentsError as error:
+        raise error_class(f"failed to initialize rcl: {error}") from None
+    except UnknownRosArgumentsError as error:
+        raise UnknownROSArgsError(str(error)) from None
+    return split_ros_arguments(words)
 
 
 def default_context(*, shutting_down: bool = False) -> Context:
