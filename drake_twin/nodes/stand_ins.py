@@ -48,6 +48,11 @@ def exports() -> Mapping[str, Mapping[str, str]]:
     return found
 
 
+def _is_submodule(module: ModuleType, name: str) -> bool:
+    """Return whether a name of a package is a module of it that has been imported meanwhile, as in Python."""
+    return isinstance(vars(module).get(name), ModuleType)
+
+
 def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
     """Return a module with ROS's names only, which are looked up once they are asked for."""
     view = ModuleType(name, own.__doc__)
@@ -60,7 +65,7 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
         if source is not None and source != name:
             home = importlib.import_module(source if source in ("typing", "threading") else f"{__package__}.{source}")
             value = getattr(home, wanted)
-        elif source is not None or wanted.startswith("_") or wanted in more:
+        elif source is not None or wanted.startswith("_") or wanted in more or _is_submodule(own, wanted):
             value = getattr(own, wanted)
         else:
             raise AttributeError(f"module {name!r} has no attribute {wanted!r}")

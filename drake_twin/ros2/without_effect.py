@@ -11,11 +11,6 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
     "the twin ends its nodes, as Ctrl-C would": (
         "launch.actions.ExecuteLocal(sigkill_timeout)",
         "launch.actions.ExecuteLocal(sigterm_timeout)",
-        "rclpy.init(signal_handler_options)",
-        "rclpy.install_signal_handlers",
-        "rclpy.install_signal_handlers(options)",
-        "rclpy.shutdown(uninstall_handlers)",
-        "rclpy.uninstall_signal_handlers",
     ),
     "it changes only what is printed": (
         "launch.actions.ExecuteLocal(cached_output)",
@@ -90,10 +85,8 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
         "rclpy.node.Node.get_subscriber_names_and_types_by_node(no_demangle)",
     ),
     "a result is kept as long as its server": ("rclpy.action.ActionServer(result_timeout)",),
-    "all clocks show simulated time": (
-        "rclpy.clock.ROSClock(clock_type)",
-        "rclpy.impl.rcutils_logger.RcutilsLogger.log(throttle_time_source_type)",
-    ),
+    "all clocks show simulated time": ("rclpy.clock.ROSClock(clock_type)",),
+    "a context has nothing that is left after its shutdown": ("rclpy.Context.destroy",),
     "one thread of a program runs at a time, and none has to be waited for": (
         "rclpy.executors.Executor.shutdown(timeout_sec)",
     ),
@@ -103,11 +96,9 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
     ),
     "loggers need no set-up": (
         "rclpy.Context.init(initialize_logging)",
-        "rclpy.logging.clear_config",
         "rclpy.logging.initialize",
         "rclpy.logging.shutdown",
     ),
-    "a program has one default context": ("rclpy.get_default_context(shutting_down)",),
 }
 
 # Parameters that become a finding with the program's line, or the launch file's, where they are given.
