@@ -20,7 +20,7 @@ from drake_twin.ros2.launched import (
     UnfiredHandler,
     absolute_name,
 )
-from drake_twin.ros2.ros_arguments import ros_arguments
+from drake_twin.ros2.ros_arguments import OWN_NODE, ros_arguments
 from drake_twin.scenario import NodeProgram
 from drake_twin.scenario.node_program import OnExit, Respawn
 
@@ -59,8 +59,12 @@ def _node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | Non
     if process.executable not in known:
         return None
     namespace = "" if process.namespace == "/" else process.namespace
+    own = f"{OWN_NODE}:" if process.name else ""  # launch_ros writes a named node's under its name, others' for all
     parameters = [
-        Path(parameter_file(item)) if isinstance(item, Path | ParameterText) else item for item in process.parameters
+        Path(parameter_file(item))
+        if isinstance(item, Path | ParameterText)
+        else {f"{own}{name}": value for name, value in item.items()}
+        for item in process.parameters
     ]
     return NodeProgram(
         executable=process.executable,

@@ -73,7 +73,11 @@ def class_of(name: str) -> Any:
     Raises:
         ValueError: If the type is unknown.
     """
-    return store_with(name).types[name]
+    store = store_with(name)
+    if name not in store.types and name.endswith("_Event"):  # a service's, made once it is asked for
+        event = store.fielddefs.pop(name)
+        store.register({name: event})
+    return store.types[name]
 
 
 def fields_of(name: str) -> tuple[Any, Any]:

@@ -5,6 +5,7 @@ structures in it that only hashing needs.
 """
 
 import ast
+import logging
 import re
 from functools import cache
 from typing import Any
@@ -27,6 +28,8 @@ OF_THE_TWIN = (
     *("simulation_interfaces", "std_srvs", "topic_tools_interfaces"),
 )
 
+_WIDE = re.compile(r"^[ \t]*wstring\b", re.MULTILINE)
+_log = logging.getLogger(__name__)
 _CHAR = re.compile(r"^\s*char\b", re.MULTILINE)  # a uint8 in ROS 2's hashes
 _FIELD_WITH_DEFAULT = re.compile(r"\s*(?P<type>[\w/]\S*)\s+(?P<name>\w+)\s+(?P<value>[^\s=#].*)")
 _MESSAGE_OF_PACKAGES = re.compile(r"^(\w+)/(\w+)(?=\S* )", re.MULTILINE)
@@ -84,9 +87,11 @@ def _base_packages() -> frozenset[str]:
 
 def load(name: str) -> None:
     """Load a type of the data, or the one that a request, a result or the like is a part of, and the messages in it."""
+    whole = name
     while (text := interface_text(name)) is None:
         name, part, _ = name.rpartition("_")
         if not part:
+            _describe_known(whole)
             return
     if is_registered(name):
         return
@@ -173,7 +178,12 @@ def fields_in(name: str, text: str) -> Any:
 
     package, _, own = name.split("/")
     whole = f"{package}/msg/{own}"  # rosbags takes the folder msg for granted
-    return get_types_from_msg(_CHAR.sub("uint8", text), whole)[whole]
+    narrow = _WIDE.sub("string", text)
+    if narrow != text:
+        _log.warning(
+            "%s has a wstring: nodes exchange it, and over a wire it is a string, which ROS does not take", name
+        )
+    return get_types_from_msg(_CHAR.sub("uint8", narrow), whole)[whole]
 
 
 def _register_service(store: Any, name: str, request: str, response: str) -> None:
@@ -217,6 +227,14 @@ def default_in(line: str, fields: Any) -> dict[str, Any]:
     if match["type"] == "bool" and value in (0, 1):
         value = bool(value)
     return {name: field_value(dict(fields)[name], value, f"{name}.")}
+
+
+def _describe_known(name: str) -> None:
+    """Describe the service of an event, where rosbags' store has it."""
+    service = name.removesuffix("_Event")
+    store = type_store()
+    if name != service and f"{service}_Request" in store.fielddefs:
+        _describe_service(store, service)
 
 
 def _describe_service(store: Any, name: str) -> None:

@@ -97,6 +97,15 @@ class ActionGraph:
             found.setdefault(name, []).append(offer.type)
         return sorted(found.items())
 
+    def names_of_servers(self, node: str) -> list[tuple[str, list[str]]]:
+        """Return the actions that a node offers, with their types."""
+        return sorted((name, [offer.type]) for name, offer in self.offers.items() if offer.node == node)
+
+    def names_of_clients(self, node: str) -> list[tuple[str, list[str]]]:
+        """Return the actions that a node asks for, with their types."""
+        found = {item.name: [item.type] for items in self._outside.values() for item in items if item.node == node}
+        return sorted(found.items())
+
     def send(self, name: str, kind: str, key: bytes, goal: Any, listener: GoalListener) -> None:
         """Send a goal; an action that is not there does not answer."""
         offer = self.offers.get(name)

@@ -4,7 +4,6 @@ Generate it by ``python -m drake_twin.nodes.docs > drake_twin/docs/ros_members.m
 """
 
 import ast
-import importlib
 import inspect
 import textwrap
 from collections.abc import Iterator, Mapping
@@ -124,7 +123,7 @@ def page() -> str:
 
 def _name(module: str, name: str) -> Any:
     if module.partition(".")[0] in ROOTS:
-        return getattr(importlib.import_module(module_of_nodes(module).__name__), name)  # type: ignore[union-attr]
+        return getattr(module_of_nodes(module), name)
     return name_of_launch_files(module, name)
 
 

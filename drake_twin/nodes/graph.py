@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from inspect import isgenerator
+from math import inf
 from typing import Any
 
 from drake_twin.errors import TwinError
@@ -17,6 +18,7 @@ from drake_twin.nodes.graph_items import Caller, Offer, Publication, Reception
 from drake_twin.nodes.message_classes import to_wire
 from drake_twin.nodes.outside_services import OutsideServices
 from drake_twin.nodes.program import Program
+from drake_twin.nodes.qos_events import QosEvents
 from drake_twin.nodes.turns import Turns
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
@@ -41,9 +43,11 @@ class Graph:
         publications: Topic → what nodes publish on it.
         receptions: Topic → who of the nodes subscribes to it.
         offers: Service → which nodes offer it.
+        node_logs: Node → whether it publishes its log.
         outside: The services of other programs.
         changed: Is called whenever something comes or goes.
         version: Changes whenever something comes or goes.
+        quality: Which of the nodes hear each other, and what they are told of it.
         taps: Are called with what nodes publish.
         is_open: Whether messages are passed on.
     """
@@ -54,9 +58,11 @@ class Graph:
         self.receptions: dict[str, list[Reception]] = {}
         self.offers: dict[str, list[Offer]] = {}
         self.outside = OutsideServices(self._is_own, self.note_change)
+        self.node_logs: dict[str, bool] = {}
         self._nodes: dict[str, list[Program]] = {}
         self.changed: Callable[[], None] = lambda: None
         self.version = 0
+        self.quality = QosEvents(lambda: turns.now, self.post)
         self.taps: list[Callable[[Publication, Any], None]] = []
         self.is_open = True
         self._turns = turns
@@ -112,6 +118,9 @@ class Graph:
         for receptions in self.receptions.values():
             for reception in receptions:
                 self._connect(reception)
+        for publications in self.publications.values():
+            for publication in publications:
+                self._tie(publication)
         self.note_change()
 
     # Topics ----------------------------------------------------------------------------------------------------------
@@ -119,33 +128,48 @@ class Graph:
     def advertise(self, publication: Publication) -> None:
         """Add a topic that a node publishes."""
         self.publications.setdefault(publication.topic, []).append(publication)
-        item = self._commanded.get(publication.topic)
-        if item is not None and item.type != publication.type:
-            self.log(publication.topic, f"{publication.node} publishes {publication.type}, but it takes {item.type}")
+        self._tie(publication)
+        for reception in self.receptions.get(publication.topic, ()):
+            self.quality.pair(publication, reception)
         self.note_change()
+
+    def _tie(self, publication: Publication) -> None:
+        """Let a publisher command the twin's topic, if there is one that takes what it publishes."""
+        item = self._commanded.get(publication.topic)
+        if item is publication.command:
+            return
+        publication.command = None
+        if item is None:
+            return
+        if item.type != publication.type:
+            self.log(publication.topic, f"{publication.node} publishes {publication.type}, but it takes {item.type}")
+        elif self.quality.commands(publication, item):
+            publication.command = item
 
     def publish(self, publication: Publication, message: Any) -> None:
         """Publish a node's message; it is copied."""
         if not self.is_open:
             return
-        topic, item = publication.topic, self._commanded.get(publication.topic)
+        topic, item = publication.topic, publication.command
         if topic in _FRAMES and publication.type == _TRANSFORMS:
             placed = {transform.child_frame_id.removeprefix("/") for transform in message.transforms}
             self.twin.diagram.GetSubsystemByName("tf").placed_by_others |= placed
-        receptions = self.receptions.get(topic)
-        if item is not None and item.type == publication.type:
+        if item is not None:
             try:
                 self.twin.publish(topic, message.data.tolist() if item.type == _NUMBERS else to_wire(message))
             except TwinError as error:
                 self.log(topic, str(error).removeprefix(f"{topic}: "))
-        if not (receptions or self.taps or publication.depth):
+        if publication.is_timed:
+            self.quality.passed(publication)
+        if not (publication.matched or self.taps or publication.depth):
             return
         copy = to_wire(message)
+        lifespan = publication.profile.lifespan.nanoseconds
+        expires = self._turns.now + lifespan if lifespan > 0 else inf
         if publication.depth:
-            publication.latched.append(copy)
-        for reception in receptions or ():
-            if reception.type == publication.type:
-                self.post(partial(reception.put, copy))
+            publication.latched.append((copy, expires))
+        for reception in publication.matched:
+            self.post(partial(reception.put, copy, expires))
         for tap in self.taps:
             tap(publication, copy)
 
@@ -154,9 +178,10 @@ class Graph:
         self.receptions.setdefault(reception.topic, []).append(reception)
         self._connect(reception)
         for publication in self.publications.get(reception.topic, ()):
-            if reception.wants_latched and publication.type == reception.type:
-                for message in publication.latched:
-                    self.post(partial(reception.put, message))
+            self.quality.pair(publication, reception)
+            if reception.wants_latched and publication in reception.matched:
+                for message, expires in publication.latched:
+                    self.post(partial(reception.put, message, expires))
         self.note_change()
 
     def _connect(self, reception: Reception) -> None:
@@ -166,6 +191,8 @@ class Graph:
             return
         if item.type != reception.type:
             self.log(item.name, f"{reception.node} expects {reception.type}, but this is {item.type}")
+            return
+        if not self.quality.hears(reception, item):
             return
 
         # What has happened at a step is heard at the next one, lest two nodes answer one another without end.
@@ -189,6 +216,8 @@ class Graph:
             places[name].remove(item)
             if not places[name]:
                 del places[name]
+        if isinstance(item, Publication | Reception):
+            self.quality.part(item)
         if isinstance(item, Reception) and item.end is not None:
             item.end()
             item.end = None
@@ -202,6 +231,7 @@ class Graph:
         program.belongings.clear()
         for name in [name for name, programs in self._nodes.items() if program in programs]:
             del self._nodes[name]
+            self.node_logs.pop(name, None)
 
     def add_node(self, name: str, program: Program) -> None:
         """Add a node."""
@@ -211,13 +241,20 @@ class Graph:
         programs.append(program)
 
     def remove_node(self, name: str) -> None:
-        """Remove a node."""
-        self._nodes.pop(name, None)
+        """Remove a node; of several with the name, one."""
+        programs = self._nodes.get(name, [])
+        if programs:
+            programs.pop()
+        if not programs:
+            self._nodes.pop(name, None)
+            self.node_logs.pop(name, None)
 
     def node_names(self) -> list[str]:
         """Return the full names of all nodes, those of the twin among them."""
         of_services = (service.node for service in self.services().values())
-        return sorted({*(item.node for item in self._endpoints or ()), *of_services, *self._nodes})
+        of_twin = {*(item.node for item in self._endpoints or ()), *of_services}
+        of_programs = [name for name, programs in self._nodes.items() for _ in programs]
+        return sorted([*(of_twin - self._nodes.keys()), *of_programs])
 
     def service_names(self) -> list[tuple[str, list[str]]]:
         """Return each service with its types."""
@@ -270,14 +307,6 @@ class Graph:
             for name, each in items.items():
                 found.setdefault(name, []).extend(item.type for item in each)
         return {name: sorted(set(kinds)) for name, kinds in sorted(found.items())}
-
-    def publishers_of(self, topic: str) -> list[tuple[str, str]]:
-        """Return node and type of each publisher of a topic."""
-        return [(item.node, item.type) for item in publishing(self, topic)]
-
-    def subscribers_of(self, topic: str) -> list[tuple[str, str]]:
-        """Return node and type of each subscriber of a topic."""
-        return [(item.node, item.type) for item in hearing(self, topic)]
 
     # Services --------------------------------------------------------------------------------------------------------
 
@@ -367,13 +396,3 @@ class Graph:
         if key not in self._logged and len(self._logged) < _MOST_LINES:
             self._logged.add(key)
             _log.warning("%s: %s", what, text)
-
-
-def publishing(graph: Graph, topic: str) -> list[Endpoint | Publication | Reception]:
-    """Return the publishers of a topic: the twin's, and those of nodes."""
-    return [item for item in (graph._published.get(topic), *graph.publications.get(topic, ())) if item is not None]
-
-
-def hearing(graph: Graph, topic: str) -> list[Endpoint | Publication | Reception]:
-    """Return the subscribers of a topic: the twin's, and those of nodes."""
-    return [item for item in (graph._commanded.get(topic), *graph.receptions.get(topic, ())) if item is not None]

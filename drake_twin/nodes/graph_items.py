@@ -7,7 +7,26 @@ from typing import Any, Protocol
 
 
 @dataclass(eq=False)
-class Publication:
+class _Endpoint:
+    """What publishers and subscriptions are told of each other.
+
+    Attributes:
+        listeners: Event of the quality of service → takes what changes in its status.
+        matched: Those of nodes that it hears, or that hear it.
+        is_timed: Whether there is a deadline, or a lease of liveliness.
+        last: The time (ns) of the last message; None before the first.
+        is_over: Whether it has been taken back.
+    """
+
+    listeners: dict[str, Callable[[dict[str, Any]], None]] = field(default_factory=dict, kw_only=True)
+    matched: list[Any] = field(default_factory=list, kw_only=True)
+    is_timed: bool = field(default=False, kw_only=True)
+    last: int | None = field(default=None, kw_only=True)
+    is_over: bool = field(default=False, kw_only=True)
+
+
+@dataclass(eq=False)
+class Publication(_Endpoint):
     """A topic that a node publishes.
 
     Attributes:
@@ -15,9 +34,12 @@ class Publication:
         type: Its ROS type.
         node: The full name of the node.
         depth: The number of messages that late subscribers get; zero for none.
-        latched: These messages.
+        latched: These messages, each with the time (ns) at which it expires.
         is_best_effort: Whether messages may be lost.
-        profile: Its quality of service, as the node gives it; None where it gives none.
+        profile: Its quality of service, as the node gives it.
+        command: The twin's topic that it commands; None without one.
+        asserted: The time (ns) at which it has last said that it is alive; None before the first.
+        is_lost: Whether it has not said so for its lease.
     """
 
     topic: str
@@ -27,27 +49,30 @@ class Publication:
     latched: deque[Any] = field(default_factory=deque)
     is_best_effort: bool = False
     profile: Any = None
+    command: Any = None
+    asserted: int | None = None
+    is_lost: bool = False
 
 
 @dataclass(eq=False)
-class Reception:
+class Reception(_Endpoint):
     """A topic that a node subscribes to.
 
     Attributes:
         topic: Its full name.
         type: Its ROS type.
         node: The full name of the node.
-        put: Takes a message.
+        put: Takes a message, and the time (ns) at which it expires.
         wants_latched: Whether it gets what was published before.
         end: Ends the subscription to the twin's topic; None without one.
         is_best_effort: Whether messages may be lost.
-        profile: Its quality of service, as the node gives it; None where it gives none.
+        profile: Its quality of service, as the node gives it.
     """
 
     topic: str
     type: str
     node: str
-    put: Callable[[Any], None]
+    put: Callable[..., None]
     wants_latched: bool = False
     end: Callable[[], None] | None = None
     is_best_effort: bool = False

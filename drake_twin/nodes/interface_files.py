@@ -66,7 +66,7 @@ class InterfaceFiles:
         for line, kind in _messages_in(_parts(name, text, file)):
             self.load(kind)
             if not interface_types.knows(kind):
-                what = "wstring is not supported" if kind.endswith("/wstring") else f"type {kind} does not exist"
+                what = f"type {kind} does not exist"
                 raise InputError(what, file=file, line=line)
         store.add_definition(name, text)
         _added[name] = file, text

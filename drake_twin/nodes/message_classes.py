@@ -164,7 +164,9 @@ def service_class(name: str) -> type:
     Raises:
         ValueError: If drake_twin does not know the type.
     """
-    return _holder(name, "Service", {part: message_class(f"{name}_{part}") for part in ("Request", "Response")})
+    return _holder(
+        name, "Service", {part: message_class(f"{name}_{part}") for part in ("Request", "Response", "Event")}
+    )
 
 
 @cache

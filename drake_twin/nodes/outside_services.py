@@ -42,6 +42,11 @@ class OutsideServices:
         if caller in self._callers:
             self._callers.remove(caller)
 
+    @property
+    def callers(self) -> tuple[Caller, ...]:
+        """What nodes ask."""
+        return tuple(self._callers)
+
     def wanted(self) -> Iterator[Caller]:
         """Yield the services that are looked for in other programs."""
         return (caller for caller in self._callers if not self._is_own(caller.name, caller.type))

@@ -1,9 +1,11 @@
 """The modules of this package's tree that stand in for ROS's Python packages."""
 
 import importlib
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
@@ -27,4 +29,51 @@ def stand_in(name: str) -> ModuleType | None:
     path = _FOLDER.joinpath(*name.split("."))
     if not path.with_suffix(".py").is_file() and not (path / "__init__.py").is_file():
         raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-    return importlib.import_module(f"{__package__}.{name}")
+    own = importlib.import_module(f"{__package__}.{name}")
+    names = exports().get(name)
+    return own if names is None else _view(name, own, names)
+
+
+@cache
+def exports() -> Mapping[str, Mapping[str, str]]:
+    """Return the names that ROS's modules have: module → name → the module that it comes from.
+
+    A line of ``exports.txt`` has those of a module, for example ``rclpy.action: ActionClient Node@rclpy.node``.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for line in (_FOLDER / "exports.txt").read_text(encoding="utf-8").splitlines():
+        module, _, names = line.partition(":")
+        pairs = (name.partition("@") for name in names.split())
+        found[module] = {name: source or module for name, _, source in pairs}
+    return found
+
+
+def _is_submodule(module: ModuleType, name: str) -> bool:
+    """Return whether a name of a package is a module of it that has been imported meanwhile, as in Python."""
+    return isinstance(vars(module).get(name), ModuleType)
+
+
+def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
+    """Return a module with ROS's names only, which are looked up once they are asked for."""
+    view = ModuleType(name, own.__doc__)
+    vars(view).update({key: value for key, value in vars(own).items() if key in ("__file__", "__path__", "__spec__")})
+
+    more = {key for key, value in vars(own).items() if "__all__" in vars(own) or isinstance(value, ModuleType)}
+
+    def attribute(wanted: str) -> Any:
+        source = names.get(wanted)
+        if source is not None and source != name:
+            home = importlib.import_module(source if source in ("typing", "threading") else f"{__package__}.{source}")
+            value = getattr(home, wanted)
+        elif source is not None or wanted.startswith("_") or wanted in more or _is_submodule(own, wanted):
+            value = getattr(own, wanted)
+        else:
+            raise AttributeError(f"module {name!r} has no attribute {wanted!r}")
+        if isinstance(value, ModuleType) and value.__name__ == f"{__package__}.{name}.{wanted}":
+            value = stand_in(f"{name}.{wanted}")
+        setattr(view, wanted, value)
+        return value
+
+    listed = sorted(item for item in names if not item.startswith("_"))
+    vars(view).update(__all__=listed, __getattr__=attribute, __dir__=lambda: [*vars(view), *listed])
+    return view

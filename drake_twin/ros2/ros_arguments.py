@@ -1,14 +1,52 @@
-"""The arguments after ``--ros-args`` on a node's command line."""
+"""The arguments after ``--ros-args`` on a node's command line.
 
-from collections.abc import Mapping, Sequence
+Source: ros2/rcl (jazzy), rcl/src/rcl/arguments.c.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.ros2.launched import ParameterValue
+from drake_twin.ros2.rcl_yaml import Parameters, RclYamlError, read_parameters, read_value
+
+OWN_NODE = (
+    "__node"  # before a parameter's name: it is for the node that is started, as launch_ros writes it for a named one
+)
+_WITH_VALUE = (
+    *("-r", "--remap", "-p", "--param", "--params-file", "--log-level", "-e", "--enclave"),
+    "--log-config-file",
+)
+_SWITCHES = tuple(f"--{word}able-{log}-logs" for word in ("en", "dis") for log in ("rosout", "stdout", "external-lib"))
+_SEVERITY = re.compile(r"debug|info|warn|error|fatal", re.IGNORECASE)
+_NAME = r"[A-Za-z_]\w*"
+_TEXTS = {
+    "-p": "parameter override rule",
+    "-r": "remap rule",
+    "--params-file": "params file",
+    "--log-level": "log level",
+}
+_RULES = {
+    "-p": re.compile(rf"(?:{_NAME}:)?(?:\*\*?|{_NAME})(?:[./-](?:\*\*?|\w+))*:=.+", re.ASCII | re.DOTALL),
+    "-r": re.compile(
+        rf"(?:{_NAME}:)?(?:__(?:node|name):={_NAME}|__ns:=/(?:{_NAME}(?:/{_NAME})*)?"
+        rf"|(?!__)(?:(?:rostopic|rosservice)://)?[\w~/{{}}*\\]+:=[\w~/{{}}*\\]+)",
+        re.ASCII,
+    ),
+}
+
+
+class RosArgumentsError(ValueError):
+    """Raised for arguments that rcl refuses."""
+
+
+class UnknownRosArgumentsError(ValueError):
+    """Raised for arguments after ``--ros-args`` that rcl does not know."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +71,14 @@ class RosArguments:
     log_levels: tuple[tuple[str, str], ...] = ()
     publishes_log: bool = True
 
+    def name_for(self, node: str) -> str | None:
+        """Return the name in place of a node's own; None if it keeps it."""
+        return self.name or dict(reversed(self.remappings)).get(f"{node}:__node")
+
+    def namespace_for(self, node: str) -> str | None:
+        """Return the namespace in place of a node's own; None if it keeps it."""
+        return self.namespace or dict(reversed(self.remappings)).get(f"{node}:__ns")
+
     def before(self, others: "RosArguments") -> "RosArguments":
         """Return these arguments with others that count where these say nothing."""
         return RosArguments(
@@ -50,7 +96,7 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     """Split a command line's arguments: ``--ros-args`` … ``--`` are rcl's, the others the executable's."""
     own: list[str] = []
     remappings: list[tuple[str, str]] = []
-    parameters: list[Path | Mapping[str, ParameterValue]] = []
+    parameters: list[Path | Mapping[str, Any]] = []
     log_levels: list[tuple[str, str]] = []
     names: dict[str, str] = {}
     ros, publishes_log = False, True
@@ -60,17 +106,17 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
             ros = word == "--ros-args"
         elif not ros:
             own.append(word)
-        elif word in ("--enable-rosout-logs", "--disable-rosout-logs"):
-            publishes_log = word == "--enable-rosout-logs"
-        elif word in ("-r", "--remap", "-p", "--param", "--params-file", "--log-level", "-e", "--enclave"):
+        elif word in _SWITCHES:
+            publishes_log = (word == "--enable-rosout-logs") if "rosout" in word else publishes_log
+        elif word in _WITH_VALUE:
             value = next(rest, "")
             source, _, target = value.partition(":=")
             if word in ("-r", "--remap") and source in ("__ns", "__node", "__name"):
-                names["namespace" if source == "__ns" else "name"] = target
+                names.setdefault("namespace" if source == "__ns" else "name", target)  # the first one counts
             elif word in ("-r", "--remap"):
                 remappings.append((source, target))
             elif word in ("-p", "--param"):
-                parameters.append({source.rpartition(":")[2]: _value(target)})
+                parameters.append({source: _value(target)})
             elif word == "--params-file":
                 parameters.append(Path(value))
             elif word == "--log-level":
@@ -78,6 +124,101 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     name, namespace = names.get("name"), names.get("namespace")
     items = tuple(remappings), tuple(parameters), tuple(log_levels)
     return RosArguments(tuple(own), name, namespace, *items, publishes_log)
+
+
+def check_ros_arguments(words: Sequence[str]) -> None:
+    """Check a command line as rcl does.
+
+    Raises:
+        RosArgumentsError: If a rule after ``--ros-args`` is not one, or a parameters file is not there or wrong.
+        UnknownRosArgumentsError: If a word after ``--ros-args`` is unknown.
+    """
+    unknown, ros = [], False
+    rest = iter(words)
+    for word in rest:
+        if word == "--ros-args" or (ros and word == "--"):
+            ros = word == "--ros-args"
+        elif ros and word in _WITH_VALUE:
+            short = {"--remap": "-r", "--param": "-p"}.get(word, word)
+            value = next(rest, None)
+            if value is None:
+                raise RosArgumentsError(f"Couldn't parse trailing {word} flag. No value found.")
+            if problem := _problem(short, value):
+                raise RosArgumentsError(
+                    f"Couldn't parse {_TEXTS.get(short, short)}: '{word} {value}'. Error: {problem}"
+                )
+        elif ros and word not in _SWITCHES:
+            unknown.append(word)
+    if unknown:
+        raise UnknownRosArgumentsError(str(unknown))
+
+
+def _problem(option: str, value: str) -> str:
+    """Return what rcl refuses of an option's value."""
+    try:
+        if option in _RULES and not _RULES[option].fullmatch(value):
+            return "the rule is not NAME:=VALUE"
+        if option == "-p":
+            read_value(value.partition(":=")[2])
+        if option == "--params-file":
+            read_parameters(Path(value).read_text(encoding="utf-8"), {})
+    except RclYamlError as error:
+        return str(error)
+    except (OSError, UnicodeDecodeError):
+        return "Error opening YAML file"
+    if option == "--log-level" and not _SEVERITY.fullmatch(value.rpartition(":=")[2]):
+        return "Argument does not use a valid severity level"
+    return ""
+
+
+def parameters_of(node: str, items: Sequence[Path | Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the parameters that files and single values give a node, as rclpy takes them from rcl.
+
+    A node's names count in the order in which they first appear, whatever gives their values: the values of a name
+    that comes later replace those of an earlier one.
+
+    Args:
+        node: The node's full name.
+        items: Files and single values.
+
+    Raises:
+        RosArgumentsError: If a file is not there, or wrong.
+    """
+    given: Parameters = {}
+    for item in items:
+        if isinstance(item, Mapping):
+            for key, value in item.items():
+                of_node, colon, name = key.rpartition(":")
+                given.setdefault(of_node if colon else "/**", {})[name] = (
+                    list(value) if isinstance(value, tuple) else value
+                )
+            continue
+        try:
+            read_parameters(Path(item).read_text(encoding="utf-8"), given)
+        except (OSError, UnicodeDecodeError, RclYamlError) as error:
+            raise RosArgumentsError(f"Couldn't parse params file: '{item}'. Error: {error}") from None
+    found: dict[str, Any] = {}
+    for pattern, values in given.items():
+        if pattern == OWN_NODE or _matches(pattern, node):
+            found.update(values)
+    return found
+
+
+def of_node(items: Sequence[Path | Mapping[str, Any]], node: str | None) -> Iterator[Path | Mapping[str, Any]]:
+    """Yield files and single values without those that are for nodes of another name."""
+    for item in items:
+        if not isinstance(item, Mapping):
+            yield item
+            continue
+        parts = [(*key.rpartition(":"), value) for key, value in item.items()]
+        own = {name: value for other, _, name, value in parts if not other or node is None or other == node}
+        if own:
+            yield own
+
+
+def _matches(pattern: str, node: str) -> bool:
+    parts = ("/" + pattern.lstrip("/")).replace("/**", "(/\\w+)*").replace("/*", "(/\\w+)")
+    return re.fullmatch(parts, node, re.ASCII) is not None
 
 
 def without_ros_arguments(words: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -121,17 +262,22 @@ def ros_arguments(
 
 
 def _text(value: Any) -> str:
-    """Return a parameter's value as YAML on one line."""
-    plain = list(value) if isinstance(value, tuple) else value
-    text = yaml.safe_dump(plain, default_flow_style=True, width=10**9, allow_unicode=True)
-    return text.removesuffix("...\n").strip()
+    """Return a parameter's value as YAML on one line that rcl reads as the same."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
+    if isinstance(value, bool | int | float):
+        text = yaml.safe_dump(value, default_flow_style=True, width=10**9)
+        return text.removesuffix("...\n").strip()
+    return json.dumps(str(value), ensure_ascii=False)
 
 
-def _value(text: str) -> ParameterValue:
+def _value(text: str) -> ParameterValue | None:
     try:
-        value = load_yaml(text)
-    except yaml.YAMLError:
+        value = read_value(text)
+    except RclYamlError:
         return text
-    if isinstance(value, bool | int | float | str):
-        return value
-    return tuple(value) if isinstance(value, list) else text
+    if value is None:  # an empty sequence has no type
+        return None if text.strip() else text
+    return tuple(value) if isinstance(value, list) else value

@@ -46,9 +46,15 @@ print(LoggingSeverity.WARN.value, TopicEndpointTypeEnum.PUBLISHER.value)
         f"[('/a', 'asks', '{kind}', 'SUBSCRIPTION')] ['VOLATILE']",
         "['TRANSIENT_LOCAL'] ['TRANSIENT_LOCAL']",
         "[]",
-        f"[('/a/talk', ['{kind}']), ('/kept', ['{kind}'])]",
+        (
+            f"[('/a/talk', ['{kind}']), ('/kept', ['{kind}']), "
+            "('/parameter_events', ['rcl_interfaces/msg/ParameterEvent']), ('/rosout', ['rcl_interfaces/msg/Log'])]"
+        ),
         f"[('/a/talk', ['{kind}'])]",
-        "[('/a/go', ['std_srvs/srv/Trigger'])] 1 0",
+        (
+            "[('/a/asks/get_type_description', ['type_description_interfaces/srv/GetTypeDescription']), "
+            "('/a/go', ['std_srvs/srv/Trigger'])] 1 0"
+        ),
         "4 True True",
         "30 1",
     ]

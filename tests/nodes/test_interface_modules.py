@@ -162,7 +162,6 @@ def test_other_modules_are_left_alone(workspace):
     [
         ({"msg": {"A": "int32 a\n\nfloat 3 x\n"}}, "msg/A.msg:3: 'float 3 x' is neither a field (TYPE NAME) nor a"),
         ({"msg": {"A": "int32 a\nNope b # c\n"}}, "msg/A.msg:2: type bad_{}/msg/Nope does not exist."),
-        ({"msg": {"A": "wstring b\n"}}, "msg/A.msg:1: wstring is not supported."),
         ({"msg": {"A": "B b\n", "B": "int32 x y z\n"}}, "msg/B.msg:1: wrong default value: x: 'y z' is not a int32."),
         ({"msg": {"A": "int32 a\n---\n"}}, "msg/A.msg: a msg file needs 0 lines of ---, but it has 1."),
         ({"srv": {"A": "int32 a\n"}}, "srv/A.srv: a srv file needs 1 lines of ---, but it has 0."),

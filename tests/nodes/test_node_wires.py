@@ -108,14 +108,16 @@ def test_a_nodes_parameters_are_asked_for_and_set(tmp_path, capsys):
     with wired(tmp_path, PARAMETERS) as (_, wire, ask):
         assert wire.services["/my/list_parameters"].endpoint.node == "/my"
         listed = ask("/my/list_parameters", {}).result
-        assert listed.names == ["use_sim_time", "speed", "gains.p", "name"]
+        assert listed.names == ["use_sim_time", "start_type_description_service", "speed", "gains.p", "name"]
         assert listed.prefixes == ["gains"]
-        values = ask("/my/get_parameters", {"names": ["speed", "gains.p", "absent"]}).values
-        assert [item.type for item in values] == [3, 8, 0]
+        assert ask("/my/get_parameters", {"names": ["speed", "absent"]}).values == []
+        values = ask("/my/get_parameters", {"names": ["speed", "gains.p"]}).values
+        assert [item.type for item in values] == [3, 8]
         assert values[0].double_value == 1.5
         assert values[1].double_array_value.tolist() == [1.0, 2.0]
         assert ask("/my/get_parameter_types", {"names": ["name", "use_sim_time"]}).types.tolist() == [4, 1]
-        speed, clock, _ = ask("/my/describe_parameters", {"names": ["speed", "use_sim_time", "absent"]}).descriptors
+        assert ask("/my/describe_parameters", {"names": ["speed", "absent"]}).descriptors == []
+        speed, clock = ask("/my/describe_parameters", {"names": ["speed", "use_sim_time"]}).descriptors
         assert (speed.name, speed.description, speed.floating_point_range[0].to_value) == ("speed", "m/s", 2.0)
         assert (clock.name, clock.type) == ("use_sim_time", 1)
         wanted = [

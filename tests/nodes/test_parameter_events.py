@@ -65,9 +65,9 @@ def test_a_node_tells_of_use_sim_time_when_it_begins(tmp_path):
     with running(script(tmp_path, "node.py", NODE)) as twin:
         twin.subscribe("/parameter_events", heard.append)
         twin.advance_to(0.05)
-    (event,) = heard
-    (parameter,) = event.new_parameters
-    assert (event.node, parameter.name, parameter.value.bool_value) == ("/lab/tuned", "use_sim_time", True)
+    found = [(event.node, item.name, item.value.bool_value) for event in heard for item in event.new_parameters]
+    names = ("use_sim_time", "start_type_description_service")
+    assert found == [("/lab/tuned", name, True) for name in names]
 
 
 UNDECLARED = """
@@ -92,7 +92,7 @@ def test_undeclared_parameters_come_and_go_by_their_values(tmp_path, capsys):
         twin.subscribe("/parameter_events", heard.append)
         twin.advance_to(0.05)
     assert capsys.readouterr().out.split() == ["True", "other", "type", "False"]
-    assert [told(event)[2:] for event in heard[1:]] == [
+    assert [told(event)[2:] for event in heard[2:]] == [
         ({"x": (2, 1)}, {}, {}),
         ({}, {"x": (4, "other type")}, {}),
         ({}, {}, {"x": (0, None)}),

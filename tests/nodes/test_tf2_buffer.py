@@ -143,8 +143,8 @@ def test_frames_as_text():  # :74-92
 
 
 def test_static_transforms_hold_at_all_times():  # :94-121
-    assert filled(stamped("bar", "foo")).can_transform_core("bar", "foo", at(0.5))[0] is False
-    assert filled(static=[stamped("bar", "foo")]).can_transform_core("bar", "foo", at(0.5))[0] is True
+    assert filled(stamped("bar", "foo")).can_transform_core("bar", "foo", at(0.5))[0] == 0
+    assert filled(static=[stamped("bar", "foo")]).can_transform_core("bar", "foo", at(0.5))[0] == 1
 
 
 def test_can_transform():  # :123-168
@@ -269,7 +269,7 @@ def test_a_loop_is_told():
         (lambda made: setattr(made, "child_frame_id", ""), "TF_NO_CHILD_FRAME_ID"),
         (lambda made: setattr(made.header, "frame_id", ""), "TF_NO_FRAME_ID"),
         (lambda made: setattr(made.transform.translation, "x", math.nan), "TF_NAN_INPUT"),
-        (lambda made: setattr(made.transform.rotation, "w", 0.9), "TF_DENORMALIZED_QUATERNION"),
+        (lambda made: setattr(made.transform.rotation, "w", 0.0), "TF_DENORMALIZED_QUATERNION"),
     ],
 )
 def test_transforms_that_cannot_be_are_told_and_left_out(change, words, capsys):  # buffer_core.cpp, setTransformImpl

@@ -15,7 +15,7 @@ def test_a_command_line_is_split():
     assert found.arguments == ("-x", "own")
     assert (found.name, found.namespace) == ("n", "/a/b")
     assert found.remappings == (("old", "new"), ("c", "d"))
-    assert found.parameters == ({"gain": 1.5}, {"on": True}, {"text": "a: {"}, Path("/p.yaml"))
+    assert found.parameters == ({"gain": 1.5}, {"other:on": True}, {"text": "a: {"}, Path("/p.yaml"))
     assert found.log_levels == (("", "debug"), ("rcl", "warn"))
 
 

@@ -25,7 +25,7 @@ class Duration:
         return f"Duration(nanoseconds={self.nanoseconds})"
 
     def __str__(self) -> str:
-        return f"{self.nanoseconds} nanoseconds"
+        return "Infinite" if self == Infinite else f"{self.nanoseconds} nanoseconds"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Duration) and self.nanoseconds == other.nanoseconds
@@ -64,7 +64,4 @@ class Duration:
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)
 
 
-class Infinite:
-    """A duration without an end."""
-
-    nanoseconds = 2**63 - 1
+Infinite = Duration(nanoseconds=2**63 - 1)

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from drake_twin.nodes.rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle
+
 
 class NotInitializedException(Exception):
     def __init__(self, *args: Any) -> None:
@@ -40,7 +42,8 @@ class InvalidServiceNameException(NameValidationException):
 
 class ParameterException(Exception):
     def __init__(self, error_msg: str, parameters: Any, *args: Any):
-        super().__init__(error_msg, parameters, *args)
+        super().__init__(f"{error_msg}: {parameters}", *args)
+        self.parameters = parameters
 
 
 class ParameterNotDeclaredException(ParameterException):
@@ -60,9 +63,8 @@ class InvalidParameterException(ParameterException):
 
 class InvalidParameterTypeException(ParameterException):
     def __init__(self, desired_parameter: Any, expected_type: Any, *args: Any):
-        name = desired_parameter if isinstance(desired_parameter, str) else desired_parameter.name
-        got = getattr(desired_parameter, "type_", "")
-        text = f"Trying to set parameter '{name}' to '{getattr(desired_parameter, 'value', None)}' of type '{got}'"
+        name, value = desired_parameter.name, desired_parameter.value
+        text = f"Trying to set parameter '{name}' to '{value}' of type '{desired_parameter.type_.name}'"
         super().__init__(f"{text}, expecting type '{expected_type}'", name, *args)
 
 
@@ -78,20 +80,18 @@ class ParameterImmutableException(ParameterException):
 
 class ParameterUninitializedException(ParameterException):
     def __init__(self, parameter_name: str, *args: Any):
-        text = f"The parameter '{parameter_name}' is not initialized"
-        Exception.__init__(self, text, *args)
+        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name, *args)
 
 
 class ROSInterruptException(Exception):
     """Raised when an operation is canceled by rclpy shutting down."""
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__("rclpy.shutdown() has been called", *args)
-
-
-class InvalidHandle(Exception):
-    """Raised for a handle that has been destroyed."""
+    def __init__(self) -> None:
+        super().__init__("rclpy.shutdown() has been called")
 
 
 class ROSDomainIDException(Exception):
     """Raised for a wrong domain."""
+
+    def __init__(self) -> None:
+        super().__init__("ROS_DOMAIN_ID is invalid")

@@ -2,6 +2,7 @@
 
 import re
 
+from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError
 from drake_twin.nodes.rclpy.name_rules import namespace_problem, node_problem, topic_problem
 
 
@@ -15,7 +16,10 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
 
     Raises:
         ValueError: If a name is invalid, or a substitution is unknown.
+        RCLError: If the name is None.
     """
+    if topic_name is None:
+        raise RCLError("failed to do name expansion: input_topic_name argument is null")
     for what, name, problem in (
         ("topic name", topic_name, topic_problem(topic_name)),
         ("node name", node_name, node_problem(node_name)),

@@ -1,37 +1,45 @@
 """Stand-in for ``rclpy.node``."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, TypeVar
 
 from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
-from drake_twin.nodes.rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
-from drake_twin.nodes.rclpy.client import Client
+from drake_twin.nodes.rclpy._rclpy_pybind11 import InvalidHandle, RCLError, RCLInvalidROSArgsError
+from drake_twin.nodes.rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from drake_twin.nodes.rclpy.client import Client, ClientHandle
 from drake_twin.nodes.rclpy.clock import Clock, Jumps, ROSClock
-from drake_twin.nodes.rclpy.context import Context, default_context
+from drake_twin.nodes.rclpy.context import Context, checked_arguments, default_context
 from drake_twin.nodes.rclpy.exceptions import NotInitializedException
 from drake_twin.nodes.rclpy.guard_condition import GuardCondition
+from drake_twin.nodes.rclpy.handle import NodeHandle
 from drake_twin.nodes.rclpy.logging import RcutilsLogger, end_lines, publish_lines
-from drake_twin.nodes.rclpy.names import check_namespace, check_node_name, full_name, overrides
+from drake_twin.nodes.rclpy.logging_service import LoggingService
+from drake_twin.nodes.rclpy.names import check_name, check_namespace, check_node_name, expanded_name
+from drake_twin.nodes.rclpy.node_graph import NodeGraph
 from drake_twin.nodes.rclpy.node_parameters import NodeParameters
 from drake_twin.nodes.rclpy.parameter import Parameter
 from drake_twin.nodes.rclpy.parameter_service import ParameterService
-from drake_twin.nodes.rclpy.publisher import Publisher
-from drake_twin.nodes.rclpy.qos import profile_of, qos_profile_services_default
-from drake_twin.nodes.rclpy.service import Service
-from drake_twin.nodes.rclpy.subscription import Subscription
+from drake_twin.nodes.rclpy.publisher import Publisher, PublisherHandle
+from drake_twin.nodes.rclpy.qos_overriding_options import override_by_parameters
+from drake_twin.nodes.rclpy.qos_profiles import profile_of, qos_profile_services_default
+from drake_twin.nodes.rclpy.service import Service, ServiceHandle
+from drake_twin.nodes.rclpy.subscription import Subscription, SubscriptionHandle
 from drake_twin.nodes.rclpy.timer import Rate, Timer
-from drake_twin.nodes.rclpy.topic_endpoint_info import GraphQueries
+from drake_twin.nodes.rclpy.type_description_service import TypeDescriptionService
+from drake_twin.nodes.rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
+from drake_twin.nodes.rclpy.waitable import Waitable, Waiting
 from drake_twin.nodes.task import present_task
 from drake_twin.ros2.launched import remapped
-from drake_twin.ros2.ros_arguments import split_ros_arguments
+from drake_twin.ros2.ros_arguments import RosArguments, parameters_of
 from drake_twin.twin.event_topics import PARAMETER_EVENTS
 
 HIDDEN_NODE_PREFIX = "_"
 _Item = TypeVar("_Item")
 
 
-class Node(NodeParameters, GraphQueries):
+class Node(NodeParameters, NodeGraph):
     """A node of the graph that node programs and the twin share."""
 
     def __init__(
@@ -49,32 +57,35 @@ class Node(NodeParameters, GraphQueries):
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ):
-        self._context = context or default_context()
+        self._context: Any = default_context() if context is None else context
         if not self._context.is_valid:
             raise NotInitializedException("cannot create node")
         program = present_task().program
-        arguments = split_ros_arguments(cli_args or ())
-        if use_global_arguments:
-            arguments = arguments.before(self._context.arguments)
-        if enable_logger_service:
-            program.ignored("enable_logger_service: the twin has no services for the levels of loggers")
-        self._arguments = arguments
-        self._name = check_node_name(arguments.name or node_name)
-        self._namespace = check_namespace(arguments.namespace or namespace or "")
+        own = checked_arguments(cli_args or (), RCLInvalidROSArgsError)
+        of_all = self._context.arguments if use_global_arguments else RosArguments(())
+        self._arguments = arguments = own.before(of_all)
+        self._name = check_node_name(node_name)
+        self._namespace = check_namespace(namespace or "")
+        self._name = arguments.name_for(self._name) or self._name
+        self._namespace = arguments.namespace_for(check_node_name(node_name)) or self._namespace
         self._full = f"{self._namespace.rstrip('/')}/{self._name}"
         self._graph: Graph = program.rclpy["graph"]
+        self._handle = NodeHandle(self, self._graph, lambda: self._graph.remove_node(self._full))
         self.actions: ActionGraph = program.rclpy["actions"]
-        given = overrides(self._full, arguments)
+        given = parameters_of(self._full, of_all.parameters) | parameters_of(self._full, own.parameters)
         given.update({item.name: item.value for item in parameter_overrides or ()})
         events = self._graph.twin.graph.events[PARAMETER_EVENTS]
         NodeParameters.__init__(self, given, allow_undeclared_parameters, events)
-        self._logger = RcutilsLogger(self._full.strip("/").replace("/", "."))
-        if enable_rosout and arguments.publishes_log:
+        self._logger = RcutilsLogger(self._handle.logger_name)
+        self._publishes_log = enable_rosout and arguments.publishes_log
+        if self._publishes_log:
             publish_lines(self._logger.name)
         self._clock = ROSClock()
+        self._clock.follow_twin()
         self._jumps = Jumps(self._clock)
-        self._default_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
-        self.timers_of_clock: list[Timer] = []
+        self._rate_group = ReentrantCallbackGroup()
+        self._default_callback_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
+        self._timers: list[Timer] = []
         self._subscriptions: list[Subscription] = []
         self._guards: list[GuardCondition] = []
         self._clients: list[Client] = []
@@ -84,27 +95,31 @@ class Node(NodeParameters, GraphQueries):
         self.entities: list[Any] = []
         self._executor: Any = None
         self._graph.add_node(self._full, program)
+        self._graph.node_logs[self._full] = self._publishes_log
         program.jumped.append(self._jump)
-        if "use_sim_time" in given:
-            self.declare_parameter("use_sim_time", True)
-        elif not automatically_declare_parameters_from_overrides:
-            self._descriptors["use_sim_time"] = None  # made when it is asked for
-            self._take([Parameter("use_sim_time", value=True)], is_declared=True)
         if automatically_declare_parameters_from_overrides:
-            self.declare_parameters("", [(name, value) for name, value in given.items() if name != "use_sim_time"])
+            items = self._parameter_overrides.items()
+            self.declare_parameters("", [(name, item.value) for name, item in items], ignore_override=True)
+        for name, read_only in (("use_sim_time", False), ("start_type_description_service", True)):
+            if name not in self._parameters:
+                self._declare_quickly(name, True, read_only=read_only)
         self.add_waitable(self._jumps)
         if start_parameter_services:
             ParameterService(self, self._graph)
+        if enable_logger_service:
+            LoggingService(self)
+        TypeDescriptionService(self)
 
     # What it is ------------------------------------------------------------------------------------------------------
 
     @property
     def context(self) -> Context:
-        return self._context
+        context: Context = self._context
+        return context
 
     @property
     def default_callback_group(self) -> CallbackGroup:
-        return self._default_group
+        return self._default_callback_group
 
     @property
     def executor(self) -> Any:
@@ -112,29 +127,38 @@ class Node(NodeParameters, GraphQueries):
 
     @executor.setter
     def executor(self, executor: Any) -> None:
+        if self._executor is not None and self._executor is not executor:
+            self._executor.remove_node(self)
         self._executor = executor
         if executor is not None:
             executor.add_node(self)
 
     @property
-    def handle(self) -> "Node":
-        return self
+    def handle(self) -> NodeHandle:
+        return self._handle
+
+    @handle.setter
+    def handle(self, value: Any) -> None:
+        raise AttributeError("handle cannot be modified after node creation")
 
     publishers = property(lambda self: iter(self._publishers))
     subscriptions = property(lambda self: iter(self._subscriptions))
     clients = property(lambda self: iter(self._clients))
     services = property(lambda self: iter(self._services))
-    timers = property(lambda self: iter(self.timers_of_clock))
+    timers = property(lambda self: iter(self._timers))
     guards = property(lambda self: iter(self._guards))
     waitables = property(lambda self: iter(self._waitables))
 
     def get_name(self) -> str:
+        self._handle.check()
         return self._name
 
     def get_namespace(self) -> str:
+        self._handle.check()
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
+        self._handle.check()
         return self._full
 
     def get_clock(self) -> Clock:
@@ -144,12 +168,20 @@ class Node(NodeParameters, GraphQueries):
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        full = full_name(topic, self._namespace, self._full)
+        self._handle.check()
+        full = expanded_name(topic, self._namespace, self._name)
         return full if only_expand else remapped(full, self._namespace, self._full, self._arguments.remappings)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        full = full_name(service, self._namespace, self._full, is_service=True)
-        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments.remappings)
+        return self.resolve_topic_name(service, only_expand=only_expand)
+
+    def _resolved(self, name: str, *, is_service: bool = False) -> str:
+        """Return a full name, or raise the error that says where it is wrong."""
+        try:
+            return self.resolve_topic_name(name)
+        except RCLError:
+            check_name(name, self._namespace, self._name, is_service=is_service)
+            raise
 
     # What it has -----------------------------------------------------------------------------------------------------
 
@@ -164,10 +196,17 @@ class Node(NodeParameters, GraphQueries):
         qos_overriding_options: Any = None,
         publisher_class: type[Publisher] = Publisher,
     ) -> Publisher:
-        name = self.resolve_topic_name(topic)
-        _tell_ignored(event_callbacks, qos_overriding_options)
-        publisher = publisher_class(self._graph, msg_type, name, profile_of(qos_profile), self._full)
+        self._handle.check()
+        qos, name = profile_of(qos_profile), self._resolved(topic)
+        if qos_overriding_options is not None:
+            override_by_parameters("publisher", self, name, qos, qos_overriding_options)
+        check_is_valid_msg_type(msg_type)
+        impl = PublisherHandle(self._handle, msg_type, name, qos)
+        options = {"event_callbacks": event_callbacks, "callback_group": callback_group or self._default_callback_group}
+        publisher = publisher_class(impl, msg_type, topic, qos, **options)
         self._publishers.append(publisher)
+        for handler in publisher.event_handlers:
+            self.add_waitable(handler)
         return publisher
 
     def create_subscription(
@@ -182,19 +221,32 @@ class Node(NodeParameters, GraphQueries):
         qos_overriding_options: Any = None,
         raw: bool = False,
     ) -> Subscription:
-        name, group = self.resolve_topic_name(topic), callback_group or self._default_group
-        qos = profile_of(qos_profile)
-        _tell_ignored(event_callbacks, qos_overriding_options)
-        item = Subscription(self._graph, msg_type, name, callback, group, qos, raw, self._full)
+        self._handle.check()
+        qos, name = profile_of(qos_profile), self._resolved(topic)
+        group = callback_group or self._default_callback_group
+        if qos_overriding_options is not None:
+            override_by_parameters("subscription", self, name, qos, qos_overriding_options)
+        check_is_valid_msg_type(msg_type)
+        impl = SubscriptionHandle(self._handle, msg_type, name, qos)
+        item = Subscription(impl, msg_type, topic, callback, group, qos, raw, event_callbacks=event_callbacks)
         self._subscriptions.append(item)
+        for handler in item.event_handlers:
+            self.add_waitable(handler)
         return self._added(item)
 
     def create_client(
-        self, srv_type: Any, srv_name: str, *, qos_profile: Any = None, callback_group: CallbackGroup | None = None
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: Any = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
     ) -> Client:
-        name, group = self.resolve_service_name(srv_name), callback_group or self._default_group
-        qos = qos_profile or qos_profile_services_default
-        client = Client(self._graph, self._context, srv_type, name, qos, group, self._full)
+        check_is_valid_srv_type(srv_type)
+        self._handle.check()
+        impl = ClientHandle(self._handle, srv_type, self._resolved(srv_name, is_service=True))
+        group = callback_group or self._default_callback_group
+        client = Client(self._context, impl, srv_type, srv_name, qos_profile or qos_profile_services_default, group)
         self._clients.append(client)
         return self._added(client)
 
@@ -204,12 +256,14 @@ class Node(NodeParameters, GraphQueries):
         srv_name: str,
         callback: Callable[[Any, Any], Any],
         *,
-        qos_profile: Any = None,
+        qos_profile: Any = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Service:
-        name, group = self.resolve_service_name(srv_name), callback_group or self._default_group
-        qos = qos_profile or qos_profile_services_default
-        service = Service(self._graph, srv_type, name, callback, group, qos, self._full)
+        check_is_valid_srv_type(srv_type)
+        self._handle.check()
+        impl = ServiceHandle(self._handle, srv_type, self._resolved(srv_name, is_service=True))
+        group = callback_group or self._default_callback_group
+        service = Service(impl, srv_type, srv_name, callback, group, qos_profile or qos_profile_services_default)
         self._services.append(service)
         return self._added(service)
 
@@ -223,29 +277,30 @@ class Node(NodeParameters, GraphQueries):
     ) -> Timer:
         period = int(float(timer_period_sec) * 1e9)
         if period < 0:
-            raise ValueError("timer period must not be negative")
-        group = callback_group or self._default_group
+            raise RCLError("failed to create timer: timer period must be non-negative")
+        group = callback_group or self._default_callback_group
         timer = Timer(callback, group, period, clock or self._clock, context=self._context, autostart=autostart)
-        self.timers_of_clock.append(timer)
+        self._timers.append(timer)
         return self._added(timer)
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
-        timer = Timer(None, self._default_group, int(1e9 / frequency), clock or self._clock)
-        return Rate(timer, context=self._context)
+        return Rate(self.create_timer(1.0 / frequency, None, self._rate_group, clock), context=self._context)
 
     def create_guard_condition(self, callback: Any, callback_group: CallbackGroup | None = None) -> GuardCondition:
-        guard = GuardCondition(callback, callback_group or self._default_group, self._context)
+        guard = GuardCondition(callback, callback_group or self._default_callback_group, self._context)
         self._guards.append(guard)
         return self._added(guard)
 
     def add_waitable(self, waitable: Any) -> None:
         self._waitables.append(waitable)
-        self._added(waitable)
+        self._added(Waiting(waitable) if isinstance(waitable, Waitable) else waitable)
 
     def remove_waitable(self, waitable: Any) -> None:
-        self._removed(waitable, self._waitables)
+        waiting = next((item for item in self.entities if getattr(item, "waitable", None) is waitable), waitable)
+        if self._removed(waitable, self._waitables) and waiting in self.entities:
+            self.entities.remove(waiting)
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
         return self._destroyed(publisher, self._publishers)
@@ -260,30 +315,32 @@ class Node(NodeParameters, GraphQueries):
         return self._destroyed(service, self._services)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        return self._destroyed(timer, self.timers_of_clock)
+        return self._destroyed(timer, self._timers)
 
     def destroy_guard_condition(self, guard: GuardCondition) -> bool:
         return self._destroyed(guard, self._guards)
 
     def destroy_rate(self, rate: Rate) -> bool:
         rate.destroy()
-        return True
+        return self.destroy_timer(rate.timer)
 
     def destroy_node(self) -> None:
         """Take back all that the node has."""
-        self._graph.remove_node(self._full)
+        if self._handle.is_destroyed:
+            return
         end_lines(self._logger.name)
         for items in (
             self._publishers,
             self._subscriptions,
             self._clients,
             self._services,
-            self.timers_of_clock,
+            self._timers,
             self._guards,
             self._waitables,
         ):
             for item in list(items):
                 self._destroyed(item, items)
+        self._handle.destroy_when_not_in_use()
         if self._executor is not None:
             self._executor.remove_node(self)
 
@@ -293,45 +350,11 @@ class Node(NodeParameters, GraphQueries):
     def __exit__(self, *_: object) -> None:
         self.destroy_node()
 
-    # What others have ------------------------------------------------------------------------------------------------
-
-    def get_topic_names_and_types(self, no_demangle: bool = False) -> list[tuple[str, list[str]]]:
-        present_task().count_idle_call()
-        return list(self._graph.topics().items())
-
-    def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
-        present_task().count_idle_call()
-        return self._graph.service_names()
-
-    def get_node_names(self) -> list[str]:
-        return [name for name, _ in self.get_node_names_and_namespaces()]
-
-    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        present_task().count_idle_call()
-        return [(name.rpartition("/")[2], name.rpartition("/")[0] or "/") for name in self._graph.node_names()]
-
-    def get_fully_qualified_node_names(self) -> list[str]:
-        return self._graph.node_names()
-
-    def count_publishers(self, topic_name: str) -> int:
-        present_task().count_idle_call()
-        return len(self._graph.publishers_of(self.resolve_topic_name(topic_name)))
-
-    def count_subscribers(self, topic_name: str) -> int:
-        present_task().count_idle_call()
-        return len(self._graph.subscribers_of(self.resolve_topic_name(topic_name)))
-
-    def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
-        from drake_twin.nodes.simulated_time import wait_until
-
-        name = "/" + fully_qualified_node_name.lstrip("/")
-        return wait_until(present_task(), lambda: name in self._graph.node_names(), timeout)
-
     # -----------------------------------------------------------------------------------------------------------------
 
     def _jump(self, by: int) -> None:
         self._jumps.put(by)
-        for timer in self.timers_of_clock:
+        for timer in self._timers:
             timer.jump()
 
     def _added(self, item: _Item) -> _Item:
@@ -353,16 +376,11 @@ class Node(NodeParameters, GraphQueries):
     def _destroyed(self, item: Any, items: list[Any]) -> bool:
         if not self._removed(item, items):
             return False
-        item.destroy()
+        for handler in getattr(item, "event_handlers", ()):
+            self.remove_waitable(handler)
+        with suppress(InvalidHandle):
+            item.destroy()
         return True
-
-
-def _tell_ignored(event_callbacks: Any, qos_overriding_options: Any) -> None:
-    program = present_task().program
-    if event_callbacks is not None:
-        program.ignored("event_callbacks: no event of quality of service happens in the twin")
-    if qos_overriding_options is not None:
-        program.ignored("qos_overriding_options: the profile that the program gives counts")
 
 
 _KINDS = (Timer, Subscription, GuardCondition, Client, Service)

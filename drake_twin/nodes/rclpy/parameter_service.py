@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -54,33 +55,27 @@ class ParameterService:
 
 
 def _describe(node: Any, request: Any, response: Any) -> None:
-    for name in request.names:
-        try:
-            response.descriptors.append(node.describe_parameter(name))
-        except ParameterNotDeclaredException:
-            response.descriptors.append(message_class("rcl_interfaces/msg/ParameterDescriptor")())
-
-
-def _values(node: Any, names: list[str]) -> list[Any]:
-    found = []
-    for name in names:
-        try:
-            found.append(node.get_parameter(name).get_parameter_value())
-        except (ParameterNotDeclaredException, ParameterUninitializedException):
-            found.append(message_class("rcl_interfaces/msg/ParameterValue")())
-    return found
+    with suppress(ParameterNotDeclaredException):  # of one that is unknown, nothing at all
+        response.descriptors = node.describe_parameters(request.names)
 
 
 def _get(node: Any, request: Any, response: Any) -> None:
-    response.values = _values(node, request.names)
+    found = []
+    for name in request.names:
+        try:
+            found.append(node.get_parameter(name).get_parameter_value())
+        except (ParameterNotDeclaredException, ParameterUninitializedException):
+            return
+    response.values = found
 
 
 def _get_types(node: Any, request: Any, response: Any) -> None:
-    response.types = [value.type for value in _values(node, request.names)]
+    with suppress(ParameterNotDeclaredException):
+        response.types = [getattr(kind, "value", kind) for kind in node.get_parameter_types(request.names)]
 
 
 def _list(node: Any, request: Any, response: Any) -> None:
-    response.result = node.list_parameters(request.prefixes, request.depth)
+    response.result = node.list_parameters(list(request.prefixes), request.depth)
 
 
 def _set(node: Any, request: Any, response: Any) -> None:

@@ -1,51 +1,99 @@
 """Stand-in for ``rclpy.publisher``."""
 
 from collections import deque
-from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
-from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Publication
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from drake_twin.nodes.graph_lists import count_matched
+from drake_twin.nodes.rclpy.event_handler import PublisherEventCallbacks
+from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import present_task
+
+
+class PublisherHandle(Handle):
+    """What a publisher is on the graph.
+
+    Args:
+        node: Its node.
+        msg_type: The class of its messages.
+        topic: Its full name.
+        profile: Its quality of service.
+
+    Attributes:
+        graph: The graph.
+        item: What it has on the graph.
+    """
+
+    def __init__(self, node: NodeHandle, msg_type: Any, topic: str, profile: QoSProfile):
+        super().__init__(lambda: node.graph.withdraw(self.item), topic, node.logger_name)
+        is_kept = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.BEST_AVAILABLE)
+        depth = queue_size(profile) or 0 if is_kept else 0
+        may_lose = profile.reliability is ReliabilityPolicy.BEST_EFFORT
+        kind, kept = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
+        self.item = Publication(topic, kind, node.name, depth, kept, may_lose, profile)
+        self.item.is_timed = bool(profile.deadline.nanoseconds or profile.liveliness_lease_duration.nanoseconds)
+        self.graph = node.graph
 
 
 class Publisher:
     """Publishes messages of a type on a topic."""
 
-    def __init__(self, graph: Graph, msg_type: Any, topic: str, qos_profile: QoSProfile, node: str):
+    def __init__(
+        self,
+        publisher_impl: Any,
+        msg_type: Any,
+        topic: str,
+        qos_profile: QoSProfile,
+        event_callbacks: Any,
+        callback_group: Any,
+    ):
+        self._impl: PublisherHandle = publisher_impl
         self.msg_type, self.topic, self.qos_profile = msg_type, topic, qos_profile
-        self._topic_name = topic
-        self._graph = graph
-        depth = qos_profile.depth if qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL else 0
-        may_lose = qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
-        kind, kept = message_classes.type_name(msg_type), deque[Any](maxlen=depth or None)
-        self._publication = Publication(topic, kind, node, depth, kept, may_lose, qos_profile)
-        graph.advertise(self._publication)
-        present_task().program.belongings.append(self._publication)
+        callbacks = event_callbacks or PublisherEventCallbacks()
+        self.event_handlers: list[Any] = callbacks.create_event_handlers(callback_group, publisher_impl, topic)
+        publisher_impl.graph.advertise(publisher_impl.item)
+        present_task().program.belongings.append(publisher_impl.item)
 
-    topic_name = property(attrgetter("_topic_name"))
+    handle = property(lambda self: self._impl)
+
+    @property
+    def topic_name(self) -> str:
+        self._impl.check()
+        return self._impl.name
 
     def publish(self, msg: Any) -> None:
         present_task()
+        self._impl.check()
         if isinstance(msg, bytes):
             from drake_twin.messages.interface_types import deserialize
 
-            msg = message_classes.from_wire(self._publication.type, deserialize(self._publication.type, msg))
+            msg = message_classes.from_wire(self._impl.item.type, deserialize(self._impl.item.type, msg))
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
-        self._graph.publish(self._publication, msg)
+        self._impl.graph.publish(self._impl.item, msg)
 
     def get_subscription_count(self) -> int:
         present_task()
-        return len(self._graph.subscribers_of(self.topic))
+        self._impl.check()
+        return count_matched(self._impl.item)
 
     def assert_liveliness(self) -> None:
-        pass
+        self._impl.check()
+        self._impl.graph.quality.asserted(self._impl.item)
 
     def wait_for_all_acked(self, timeout: Any = None) -> bool:
+        self._impl.check()
         return True
 
     def destroy(self) -> None:
-        self._graph.withdraw(self._publication)
+        for handler in self.event_handlers:
+            handler.destroy()
+        self._impl.destroy_when_not_in_use()
+
+    def __enter__(self) -> "Publisher":
+        return self
+
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
+        self.destroy()

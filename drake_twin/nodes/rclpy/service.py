@@ -3,13 +3,41 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
-from operator import attrgetter
 from typing import Any
 
 from drake_twin.nodes import message_classes
-from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Offer
+from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.service_introspection import Introspection
 from drake_twin.nodes.task import present_task
+
+
+class ServiceHandle(Handle):
+    """What a service is on the graph.
+
+    Args:
+        node: Its node.
+        srv_type: The class of the service.
+        name: Its full name.
+
+    Attributes:
+        node: The node.
+        item: What it has on the graph.
+        requests: The requests that wait, each with the function that takes its response.
+        introspection: The events that it publishes.
+    """
+
+    def __init__(self, node: NodeHandle, srv_type: Any, name: str):
+        super().__init__(lambda: node.graph.withdraw(self.item), name, node.logger_name)
+        self.node = node
+        self.requests: deque[tuple[Any, Callable[[Any], None]]] = deque()
+        self.item = Offer(name, message_classes.type_name(srv_type), node.name, self._put)
+        self.introspection = Introspection(node, srv_type, name)
+        node.graph.offer(self.item)
+        present_task().program.belongings.append(self.item)
+
+    def _put(self, request: Any, reply: Callable[[Any], None]) -> None:
+        self.requests.append((request, reply))
 
 
 class Service:
@@ -17,25 +45,24 @@ class Service:
 
     def __init__(
         self,
-        graph: Graph,
+        service_impl: Any,
         srv_type: Any,
         srv_name: str,
         callback: Callable[[Any, Any], Any],
         callback_group: Any,
         qos_profile: Any,
-        node: str,
     ):
+        self._impl: ServiceHandle = service_impl
         self.srv_type, self.srv_name, self.callback = srv_type, srv_name, callback
         self.callback_group, self.qos_profile = callback_group, qos_profile
-        self._service_name = srv_name
-        self._graph = graph
-        self._type = message_classes.type_name(srv_type)
-        self._requests: deque[tuple[Any, Callable[[Any], None]]] = deque()
-        self._offer = Offer(srv_name, self._type, node, lambda request, reply: self._requests.append((request, reply)))
-        graph.offer(self._offer)
-        present_task().program.belongings.append(self._offer)
+        self._requests, self._type = service_impl.requests, service_impl.item.type
 
-    service_name = property(attrgetter("_service_name"))
+    handle = property(lambda self: self._impl)
+
+    @property
+    def service_name(self) -> str:
+        self._impl.check()
+        return self._impl.name
 
     def is_ready(self) -> bool:
         return bool(self._requests)
@@ -43,22 +70,34 @@ class Service:
     def execute(self) -> Any:
         request, reply = self._requests.popleft()
         given = message_classes.from_wire(f"{self._type}_Request", request)
+        self._impl.introspection.note("REQUEST_RECEIVED", given)
         response = self.callback(given, self.srv_type.Response())
         if inspect.iscoroutine(response):
             return self._reply_later(response, reply)
-        self._reply(response, reply)
+        self.send_response(response, reply)
         return None
 
     async def _reply_later(self, response: Any, reply: Callable[[Any], None]) -> None:
-        self._reply(await response, reply)
-
-    def _reply(self, response: Any, reply: Callable[[Any], None]) -> None:
-        if not isinstance(response, self.srv_type.Response):
-            raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
-        reply(message_classes.to_wire(response))
+        self.send_response(await response, reply)
 
     def send_response(self, response: Any, header: Any) -> None:
-        raise NotImplementedError("Service.send_response: in the twin, what a service's callback returns is its answer")
+        """Answer a request: here a header is the function that takes its response."""
+        if not isinstance(response, self.srv_type.Response):
+            raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
+        self._impl.check()
+        self._impl.introspection.note("RESPONSE_SENT", response)
+        header(message_classes.to_wire(response))
+
+    def configure_introspection(self, clock: Any, service_event_qos_profile: Any, introspection_state: Any) -> None:
+        self._impl.check()
+        self._impl.introspection.configure(clock, service_event_qos_profile, introspection_state)
 
     def destroy(self) -> None:
-        self._graph.withdraw(self._offer)
+        self._impl.introspection.end()
+        self._impl.destroy_when_not_in_use()
+
+    def __enter__(self) -> "Service":
+        return self
+
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
+        self.destroy()

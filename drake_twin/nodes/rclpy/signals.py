@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+from drake_twin.nodes.task import present_task
+
 
 class SignalHandlerOptions(IntEnum):
     """Which signals ROS would handle; here the twin does."""
@@ -13,8 +15,14 @@ class SignalHandlerOptions(IntEnum):
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
-    """Do nothing: the twin ends its nodes."""
+    """Take note of the signals: the twin ends its nodes."""
+    present_task().program.rclpy["signals"] = options
+
+
+def get_current_signal_handlers_options() -> SignalHandlerOptions:
+    options: SignalHandlerOptions = present_task().program.rclpy.get("signals", SignalHandlerOptions.NO)
+    return options
 
 
 def uninstall_signal_handlers() -> None:
-    """Do nothing."""
+    present_task().program.rclpy["signals"] = SignalHandlerOptions.NO

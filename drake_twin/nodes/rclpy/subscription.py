@@ -4,14 +4,49 @@ import inspect
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
-from operator import attrgetter
+from math import inf
 from typing import Any
 
 from drake_twin.nodes import message_classes
-from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Reception
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from drake_twin.nodes.graph_lists import count_matched
+from drake_twin.nodes.rclpy.event_handler import SubscriptionEventCallbacks
+from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import Task, present_task
+
+
+class SubscriptionHandle(Handle):
+    """What a subscription is on the graph.
+
+    Args:
+        node: Its node.
+        msg_type: The class of its messages.
+        topic: Its full name.
+        profile: Its quality of service.
+
+    Attributes:
+        graph: The graph.
+        item: What it has on the graph.
+        messages: The messages that wait, each with the times (ns) of its arrival and its end.
+    """
+
+    def __init__(self, node: NodeHandle, msg_type: Any, topic: str, profile: QoSProfile):
+        super().__init__(lambda: node.graph.withdraw(self.item), topic, node.logger_name)
+        self.messages: deque[tuple[Any, int, float]] = deque(maxlen=queue_size(profile))
+        self.task: Task = present_task()
+        latched = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.BEST_AVAILABLE)
+        may_lose = profile.reliability in (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.BEST_AVAILABLE)
+        kind = message_classes.type_name(msg_type)
+        options: Any = {"is_best_effort": may_lose, "profile": profile}
+        self.item = Reception(topic, kind, node.name, self._put, latched, **options)
+        self.item.is_timed = bool(profile.deadline.nanoseconds)
+        self.graph = node.graph
+
+    def _put(self, message: Any, expires: float = inf) -> None:
+        if self.item.is_timed:
+            self.graph.quality.passed(self.item)
+        self.messages.append((message, self.task.now, expires))
 
 
 class Subscription:
@@ -25,41 +60,49 @@ class Subscription:
 
     def __init__(
         self,
-        graph: Graph,
+        subscription_impl: Any,
         msg_type: Any,
         topic: str,
         callback: Callable[..., Any],
         callback_group: Any,
         qos_profile: QoSProfile,
         raw: bool,
-        node: str,
+        event_callbacks: Any,
     ):
-        self.msg_type, self.topic, self.callback = msg_type, topic, callback
-        self.callback_group, self.qos_profile, self.raw = callback_group, qos_profile, raw
-        self._topic_name = topic
-        self._graph = graph
-        self._task: Task = present_task()
-        self._type = message_classes.type_name(msg_type)
-        self._messages: deque[tuple[Any, int]] = deque(maxlen=qos_profile.queue_size)
-        self._takes_info = _takes_two(callback)
-        latched = qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
-        may_lose = qos_profile.reliability in (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.BEST_AVAILABLE)
-        self._reception = Reception(
-            topic, self._type, node, self._put, latched, is_best_effort=may_lose, profile=qos_profile
-        )
-        graph.subscribe(self._reception)
-        self._task.program.belongings.append(self._reception)
+        self._impl: SubscriptionHandle = subscription_impl
+        self.msg_type, self.topic, self.callback_group = msg_type, topic, callback_group
+        self.qos_profile, self.raw = qos_profile, raw
+        self.callback = callback
+        callbacks = event_callbacks or SubscriptionEventCallbacks()
+        self.event_handlers: list[Any] = callbacks.create_event_handlers(callback_group, subscription_impl, topic)
+        self._messages, self._type = subscription_impl.messages, subscription_impl.item.type
+        subscription_impl.graph.subscribe(subscription_impl.item)
+        present_task().program.belongings.append(subscription_impl.item)
 
-    topic_name = property(attrgetter("_topic_name"))
+    handle = property(lambda self: self._impl)
 
-    def _put(self, message: Any) -> None:
-        self._messages.append((message, self._task.now))
+    @property
+    def topic_name(self) -> str:
+        self._impl.check()
+        return self._impl.name
+
+    @property
+    def callback(self) -> Callable[..., Any]:
+        return self._callback
+
+    @callback.setter
+    def callback(self, value: Callable[..., Any]) -> None:
+        self._takes_info = _takes_info(value)
+        self._callback = value
 
     def is_ready(self) -> bool:
-        return bool(self._messages)
+        messages = self._messages
+        while messages and messages[0][2] < self._impl.task.now:
+            messages.popleft()
+        return bool(messages)
 
     def execute(self) -> Any:
-        message, time = self._messages.popleft()
+        message, time, _ = self._messages.popleft()
         if self.raw:
             from drake_twin.messages.interface_types import serialize
 
@@ -67,29 +110,40 @@ class Subscription:
         else:
             given = message_classes.from_wire(self._type, message)
         if self._takes_info:
-            return self.callback(given, {"source_timestamp": time, "received_timestamp": self._task.now})
-        return self.callback(given)
+            return self._callback(given, {"source_timestamp": time, "received_timestamp": self._impl.task.now})
+        return self._callback(given)
 
     def get_publisher_count(self) -> int:
         present_task()
-        return len(self._graph.publishers_of(self.topic))
+        self._impl.check()
+        return count_matched(self._impl.item)
 
     def destroy(self) -> None:
+        for handler in self.event_handlers:
+            handler.destroy()
         self._messages.clear()
-        self._graph.withdraw(self._reception)
+        self._impl.destroy_when_not_in_use()
+
+    def __enter__(self) -> "Subscription":
+        return self
+
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
+        self.destroy()
 
 
-def _takes_two(callback: Callable[..., Any]) -> bool:
-    try:
-        signature = inspect.signature(callback)
-    except (TypeError, ValueError):
-        return False
-    try:
-        signature.bind(None)
-    except TypeError:
+def _takes_info(callback: Callable[..., Any]) -> bool:
+    """Return whether a callback takes a message's times beside it.
+
+    Raises:
+        RuntimeError: If it takes neither one nor two arguments.
+    """
+    for count, found in ((1, False), (2, True)):
         try:
-            signature.bind(None, None)
+            inspect.signature(callback).bind(*[None] * count)
         except TypeError:
+            continue
+        except ValueError:  # it has no signature
             return False
-        return True
-    return False
+        return found
+    text = "Subscription.__init__(): callback should be either be callable with one argument (to get only the message)"
+    raise RuntimeError(f"{text} or two (to get message and message info)")

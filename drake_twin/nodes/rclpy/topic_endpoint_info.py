@@ -1,16 +1,10 @@
-"""Stand-in for ``rclpy.topic_endpoint_info``, and what nodes ask of the graph about each other."""
+"""Stand-in for ``rclpy.topic_endpoint_info``."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
 from enum import IntEnum
-from itertools import chain
+from typing import Any
 
-from drake_twin.nodes.graph import Graph, hearing, publishing
-from drake_twin.nodes.graph_items import Publication, Reception
-from drake_twin.nodes.rclpy.duration import Duration
-from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, as_seen
-from drake_twin.nodes.task import present_task
-from drake_twin.twin.endpoints import Endpoint
+from drake_twin.nodes.rclpy.qos_profiles import HistoryPolicy, QoSPresetProfiles, QoSProfile
+from drake_twin.nodes.rclpy.type_hash import TypeHash
 
 
 class TopicEndpointTypeEnum(IntEnum):
@@ -21,93 +15,86 @@ class TopicEndpointTypeEnum(IntEnum):
     SUBSCRIPTION = 2
 
 
-@dataclass
+class _Field:
+    """A field that takes values of a type; of another one that the type is made of, too."""
+
+    def __init__(self, kind: type, made_of: type | None = None):
+        self._kind, self._made_of = kind, made_of
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._slot = f"_{name}"
+
+    def __get__(self, info: Any, owner: type) -> Any:
+        return self if info is None else getattr(info, self._slot)
+
+    def __set__(self, info: Any, value: Any) -> None:
+        if not isinstance(value, self._kind):
+            if self._made_of is None or not isinstance(value, self._made_of):
+                raise AssertionError
+            value = self._kind(**value) if isinstance(value, dict) else self._kind(value)
+        setattr(info, self._slot, value)
+
+
 class TopicEndpointInfo:
     """A publisher or a subscription of a topic."""
 
-    node_name: str
-    node_namespace: str
-    topic_type: str
-    endpoint_type: TopicEndpointTypeEnum
-    qos_profile: QoSProfile = field(default_factory=lambda: QoSProfile(depth=10))
-    endpoint_gid: list[int] = field(default_factory=lambda: [0] * 16)
+    __slots__ = [  # noqa: RUF023  # in ROS's order
+        "_node_name",
+        "_node_namespace",
+        "_topic_type",
+        "_topic_type_hash",
+        "_endpoint_type",
+        "_endpoint_gid",
+        "_qos_profile",
+    ]
+    __hash__ = None  # type: ignore[assignment]
 
+    node_name: Any = _Field(str)
+    node_namespace: Any = _Field(str)
+    topic_type: Any = _Field(str)
+    topic_type_hash: Any = _Field(TypeHash, dict)
+    endpoint_type: Any = _Field(TopicEndpointTypeEnum, int)
+    endpoint_gid: Any = _Field(list)
+    qos_profile: Any = _Field(QoSProfile, dict)
 
-class GraphQueries:
-    """The part of a node that asks what the nodes of the graph publish, subscribe to and offer."""
+    def __init__(self, **kwargs: Any):
+        if not all(f"_{name}" in self.__slots__ for name in kwargs):
+            raise AssertionError(f"Invalid arguments passed to constructor: {kwargs.keys()}")
+        defaults: tuple[Any, ...] = (
+            "",
+            "",
+            "",
+            TypeHash(),
+            TopicEndpointTypeEnum.INVALID,
+            [],
+            QoSPresetProfiles.UNKNOWN.value,
+        )
+        for slot, default in zip(self.__slots__, defaults, strict=True):
+            setattr(self, slot[1:], kwargs.get(slot[1:], default))
 
-    _graph: Graph
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TopicEndpointInfo):
+            return False
+        return all(getattr(self, slot) == getattr(other, slot) for slot in self.__slots__)
 
-    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Return a topic's full name."""
-        raise NotImplementedError
-
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Return a service's full name."""
-        raise NotImplementedError
-
-    def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
-        topic = self.resolve_topic_name(topic_name)
-        return self._infos(publishing(self._graph, topic), TopicEndpointTypeEnum.PUBLISHER)
-
-    def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
-        topic = self.resolve_topic_name(topic_name)
-        return self._infos(hearing(self._graph, topic), TopicEndpointTypeEnum.SUBSCRIPTION)
-
-    def get_publisher_names_and_types_by_node(
-        self, node_name: str, node_namespace: str, no_demangle: bool = False
-    ) -> list[tuple[str, list[str]]]:
-        node = f"{node_namespace.rstrip('/')}/{node_name}"
-        return self._topics_of(self._graph.publishers_of, node)
-
-    def get_subscriber_names_and_types_by_node(
-        self, node_name: str, node_namespace: str, no_demangle: bool = False
-    ) -> list[tuple[str, list[str]]]:
-        node = f"{node_namespace.rstrip('/')}/{node_name}"
-        return self._topics_of(self._graph.subscribers_of, node)
-
-    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> list[tuple[str, list[str]]]:
-        present_task().count_idle_call()
-        node = f"{node_namespace.rstrip('/')}/{node_name}"
-        return [(name, [kind]) for name, of, kind in self._offers() if of == node]
-
-    def count_services(self, service_name: str) -> int:
-        present_task().count_idle_call()
-        name = self.resolve_service_name(service_name)
-        return sum(name == each for each, _, _ in self._offers())
-
-    def _infos(
-        self, found: Iterable[Endpoint | Publication | Reception], kind: TopicEndpointTypeEnum
-    ) -> list[TopicEndpointInfo]:
-        present_task().count_idle_call()
-        infos = []
-        for item in found:
-            namespace, _, name = item.node.rpartition("/")
-            given = _profile_of(item) if isinstance(item, Endpoint) else item.profile
-            seen = as_seen(given or QoSProfile(depth=10), is_publisher=kind is TopicEndpointTypeEnum.PUBLISHER)
-            infos.append(TopicEndpointInfo(name, namespace or "/", item.type, kind, seen))
-        return infos
-
-    def _offers(self) -> list[tuple[str, str, str]]:
-        """Return name, node and type of each service that is offered."""
-        twins = [(item.name, item.node, item.type) for item in self._graph.services().values()]
-        return sorted(twins + [(item.name, item.node, item.type) for item in chain(*self._graph.offers.values())])
-
-    def _topics_of(self, of: Callable[[str], list[tuple[str, str]]], node: str) -> list[tuple[str, list[str]]]:
-        present_task().count_idle_call()
-        found = []
-        for topic in self._graph.topics():
-            kinds = sorted({kind for each, kind in of(topic) if each == node})
-            if kinds:
-                found.append((topic, kinds))
-        return found
-
-
-def _profile_of(item: Endpoint) -> QoSProfile:
-    """Return the quality of service of a topic of the twin."""
-    return QoSProfile(
-        depth=item.depth or (1 if item.latched else 10),
-        reliability=ReliabilityPolicy.BEST_EFFORT if item.is_best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if item.latched else DurabilityPolicy.VOLATILE,
-        lifespan=None if item.lifespan is None else Duration(seconds=item.lifespan),
-    )
+    def __str__(self) -> str:
+        qos = self.qos_profile
+        history = qos.history.name if qos.history != HistoryPolicy.KEEP_LAST else f"{qos.history.name} ({qos.depth})"
+        return "\n".join(
+            (
+                f"Node name: {self.node_name}",
+                f"Node namespace: {self.node_namespace}",
+                f"Topic type: {self.topic_type}",
+                f"Topic type hash: {self.topic_type_hash}",
+                f"Endpoint type: {self.endpoint_type.name}",
+                f"GID: {'.'.join(format(item, '02x') for item in self.endpoint_gid)}",
+                "QoS profile:",
+                f"  Reliability: {qos.reliability.name}",
+                f"  History (Depth): {history}",
+                f"  Durability: {qos.durability.name}",
+                f"  Lifespan: {qos.lifespan}",
+                f"  Deadline: {qos.deadline}",
+                f"  Liveliness: {qos.liveliness.name}",
+                f"  Liveliness lease duration: {qos.liveliness_lease_duration}",
+            )
+        )

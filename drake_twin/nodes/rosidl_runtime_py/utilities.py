@@ -39,3 +39,18 @@ def _of_kind(identifier: str, kind: str, what: str) -> Any:
     if len(parts) == 3 and parts[1] != kind:
         raise ValueError(f"Expected the full name of a {what}, got '{identifier}'")
     return get_interface(identifier)
+
+
+def is_message(interface: Any) -> bool:
+    """Return whether something is a message, or the class of one."""
+    return hasattr(interface, "get_fields_and_field_types")
+
+
+def is_service(interface: Any) -> bool:
+    """Return whether something is a service's class."""
+    return hasattr(interface, "Request") and hasattr(interface, "Response")
+
+
+def is_action(interface: Any) -> bool:
+    """Return whether something is an action's class."""
+    return hasattr(interface, "Goal") and hasattr(interface, "Feedback")

@@ -1,6 +1,6 @@
 """``tf2_py.BufferCore``: frames, their transforms over time, and lookups between any two of them."""
 
-from math import fsum, inf, isnan
+from math import inf, isnan
 from typing import Any
 
 from drake_twin.nodes.message_classes import message_class
@@ -17,7 +17,6 @@ from drake_twin.nodes.tf2_py.exceptions import (
 from drake_twin.nodes.tf2_py.time_cache import StaticCache, Stored, TimeCache, shown
 
 _DEFAULT_CACHE_TIME = 10 * 10**9  # ns, as tf2's
-_NORMALIZATION_TOLERANCE = 10e-3  # tf2's
 _MOST_PARENTS = 1000  # tf2's MAX_GRAPH_DEPTH
 _SECOND = 10**9  # ns
 
@@ -74,13 +73,13 @@ class BufferCore:
         second, at = self._looked_up(target_frame, fixed_frame, nanoseconds(target_time))
         return _message(target_frame, source_frame, _then(first, second), at)
 
-    def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
+    def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[int, str]:
         """Return whether there is a transform, and why not."""
         return self._can(((target_frame, source_frame, nanoseconds(time)),), target=target_frame, source=source_frame)
 
     def can_transform_full_core(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
-    ) -> tuple[bool, str]:
+    ) -> tuple[int, str]:
         """Return whether there is a transform from one frame at one time to another at another, and why not."""
         legs = (
             (target_frame, fixed_frame, nanoseconds(target_time)),
@@ -132,6 +131,20 @@ class BufferCore:
     def _getFrameStrings(self) -> list[str]:
         return [*self._frames]
 
+    def _chain(
+        self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
+    ) -> list[str]:
+        found = []
+        for frame, ends, time in (
+            (source_frame, fixed_frame, source_time),
+            *([] if source_time == target_time else [(target_frame, fixed_frame, target_time)]),
+        ):
+            while frame != ends and (cache := self._frames.get(frame)) is not None:
+                found.append(frame)
+                at = nanoseconds(time) or self._latest_common_time(frame, ends)
+                frame = cache.at(at).parent
+        return found
+
     def _insert(self, transform: Any, authority: str, *, is_static: bool) -> None:
         parent, child = transform.header.frame_id.removeprefix("/"), transform.child_frame_id.removeprefix("/")
         moved, turned = transform.transform.translation, transform.transform.rotation
@@ -162,20 +175,20 @@ class BufferCore:
         if name not in self._frames:
             raise LookupException(f'"{name}" passed to {what} does not exist. ')
 
-    def _can(self, legs: tuple[tuple[str, str, int], ...], **frames: str) -> tuple[bool, str]:
+    def _can(self, legs: tuple[tuple[str, str, int], ...], **frames: str) -> tuple[int, str]:
         if len(legs) == 1 and frames["target"] == frames["source"]:
-            return True, ""
+            return 1, ""
         for what, name in frames.items():
             if not name or name[0] == "/" or name not in self._frames:
                 why = "frame does not exist" if name else "in tf2 frame_ids cannot be empty"
                 why = "in tf2 frame_ids cannot start with a '/'" if name[:1] == "/" else why
-                return False, f'Invalid frame ID "{name}" passed to canTransform argument {what}_frame - {why}'
+                return 0, f'Invalid frame ID "{name}" passed to canTransform argument {what}_frame - {why}'
         try:
             for target, source, time in legs:
                 self._walk(target, source, time)
         except TransformException as error:
-            return False, str(error)
-        return True, ""
+            return 0, str(error)
+        return 1, ""
 
     def _looked_up(self, target: str, source: str, time: int) -> tuple[_Motion, int]:
         """Return a motion, and its time (ns)."""
@@ -323,6 +336,6 @@ def _wrong(parent: str, child: str, translation: Vector, rotation: Quaternion, a
     if any(map(isnan, (*translation, *rotation))):
         moved = " ".join(f"{value:f}" for value in translation)
         return f"TF_NAN_INPUT: {start} a nan value in the transform ({moved}) ({turned})"
-    if not abs(fsum(value * value for value in rotation) - 1) < _NORMALIZATION_TOLERANCE:
+    if not any(rotation):  # of another length it is normalized on its way into the matrix of a tf2::Transform
         return f"TF_DENORMALIZED_QUATERNION: {start} an invalid quaternion in the transform ({turned})"
     return ""

@@ -15,7 +15,7 @@ from drake_twin.nodes.tf2_ros.waiting import wait
 
 __all__ = ["Buffer"]
 
-_Check = Callable[[], tuple[bool, str]]
+_Check = Callable[[], tuple[int, str]]
 
 
 class Buffer(BufferCore, BufferInterface):
@@ -153,8 +153,8 @@ class Buffer(BufferCore, BufferInterface):
         return response
 
 
-def _awaited(check: _Check, timeout: Any) -> tuple[bool, str]:
+def _awaited(check: _Check, timeout: Any) -> tuple[int, str]:
     """Return what a check finds, at the latest after a time-out."""
     if timeout is not None:
-        wait(lambda: check()[0], nanoseconds(timeout, "duration"))
+        wait(lambda: bool(check()[0]), nanoseconds(timeout, "duration"))
     return check()

@@ -10,7 +10,10 @@ from typing import Any
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.action_graph import ACCEPTED, CANCELING, NO_ERROR, UNKNOWN
 from drake_twin.nodes.message_classes import message_class
+from drake_twin.nodes.rclpy.action.graph import action_full_name
+from drake_twin.nodes.rclpy.handle import Handle
 from drake_twin.nodes.rclpy.task import Future
+from drake_twin.nodes.rclpy.type_support import check_is_valid_action_type
 from drake_twin.nodes.simulated_time import wait_until
 from drake_twin.nodes.task import present_task
 
@@ -19,28 +22,6 @@ def __getattr__(name: str) -> Any:
     if name == "GoalStatus":  # nodes import it from here, too
         return message_class("action_msgs/msg/GoalStatus")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-class GetResultResponse:
-    """What the future of a result holds.
-
-    Attributes:
-        status: A code of ``action_msgs/msg/GoalStatus``.
-        result: The action's result.
-    """
-
-    def __init__(self, status: int, result: Any):
-        self.status, self.result = status, result
-
-    def __repr__(self) -> str:
-        return f"GetResult_Response(status={self.status}, result={self.result!r})"
-
-
-class FeedbackMessage:
-    """What a feedback callback takes."""
-
-    def __init__(self, goal_id: Any, feedback: Any):
-        self.goal_id, self.feedback = goal_id, feedback
 
 
 class ClientGoalHandle:
@@ -110,14 +91,16 @@ class _Goal:
     def _heard(self, feedback: Any) -> Any:
         assert self._feedback is not None
         name = f"{self._client.type}_Feedback"
-        return self._feedback(FeedbackMessage(self._goal_id, message_classes.from_wire(name, feedback)))
+        kind = self._client.action_type.Impl.FeedbackMessage
+        return self._feedback(kind(goal_id=self._goal_id, feedback=message_classes.from_wire(name, feedback)))
 
     def _ended(self, status: int, result: Any) -> None:
-        kind = self._client.action_type.Result
-        message = kind() if result is None else message_classes.from_wire(f"{self._client.type}_Result", result)
+        empty = self._client.action_type.Result
+        message = empty() if result is None else message_classes.from_wire(f"{self._client.type}_Result", result)
         if self.handle is not None:
             self.handle._status = status
-        self.result_future.set_result(GetResultResponse(status, message))
+        kind = self._client.action_type.Impl.GetResultService.Response
+        self.result_future.set_result(kind(status=status, result=message))
 
 
 class ActionClient:
@@ -136,9 +119,11 @@ class ActionClient:
         feedback_sub_qos_profile: Any = None,
         status_sub_qos_profile: Any = None,
     ):
+        check_is_valid_action_type(action_type)
         self.node, self.action_type = node, action_type
         self.callback_group = callback_group or node.default_callback_group
-        self.name = node.resolve_service_name(action_name)
+        self.name = action_full_name(node, action_name, "client")
+        self._handle = Handle(self._end, self.name)
         self.type = message_classes.type_name(action_type)
         self._events: deque[Callable[[], Any]] = deque()
         self._actions = node.actions
@@ -157,9 +142,11 @@ class ActionClient:
     def execute(self) -> Any:
         return self._events.popleft()()
 
-    def send_goal(self, goal: Any, **options: Any) -> Any:
+    def send_goal(self, goal: Any, **kwargs: Any) -> Any:
         """Send a goal, and wait for its result while another thread spins."""
-        handle = self.waited(self.send_goal_async(goal, **options))
+        if not isinstance(goal, self.action_type.Goal):
+            raise TypeError(f"Expected {self.action_type.Goal}, got {type(goal)}")
+        handle = self.waited(self.send_goal_async(goal, **kwargs))
         return self.waited(handle.get_result_async()) if handle.accepted else None
 
     def send_goal_async(
@@ -168,6 +155,7 @@ class ActionClient:
         task = present_task()
         if not isinstance(goal, self.action_type.Goal):
             raise TypeError(f"Expected {self.action_type.Goal}, got {type(goal)}")
+        self._handle.check()
         goal_id = goal_uuid or new_goal_id(task.program.rclpy, task.program.index)
         sent = _Goal(self, goal_id, feedback_callback)
         self._actions.send(self.name, self.type, bytes(goal_id.uuid), message_classes.to_wire(goal), sent)
@@ -190,6 +178,7 @@ class ActionClient:
 
     def server_is_ready(self) -> bool:
         present_task().count_idle_call()
+        self._handle.check()
         return bool(self._actions.is_there(self.name, self.type))
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
@@ -198,8 +187,17 @@ class ActionClient:
         return bool(ready())
 
     def destroy(self) -> None:
+        self._handle.destroy_when_not_in_use()
+
+    def _end(self) -> None:
         self.node.remove_waitable(self)
         self._actions.withdraw(self._outside)
+
+    def __enter__(self) -> "ActionClient":
+        return self
+
+    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
+        self.destroy()
 
 
 def new_goal_id(known: dict[str, Any], index: int) -> Any:

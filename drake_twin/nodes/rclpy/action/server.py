@@ -24,6 +24,10 @@ from drake_twin.nodes.action_graph import (
 )
 from drake_twin.nodes.graph_items import GoalListener
 from drake_twin.nodes.message_classes import message_class
+from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError
+from drake_twin.nodes.rclpy.action.graph import action_full_name
+from drake_twin.nodes.rclpy.handle import Handle
+from drake_twin.nodes.rclpy.type_support import check_is_valid_action_type
 from drake_twin.nodes.task import present_task
 
 
@@ -80,7 +84,7 @@ class ServerGoalHandle:
         present_task()
         kind = self._server.action_type.Feedback
         if not isinstance(feedback, kind):
-            raise TypeError(f"Expected {kind}, got {type(feedback)}")
+            raise TypeError
         self._server.post(partial(self._listener.heard, message_classes.to_wire(feedback)))
 
     def succeed(self) -> None:
@@ -97,7 +101,7 @@ class ServerGoalHandle:
 
     def _end(self, status: int) -> None:
         if not self.is_active or (status == CANCELED and self.status != CANCELING):
-            raise RuntimeError("Failed to update goal state: goal_handle attempted invalid transition")
+            raise RCLError("Failed to update goal state: goal_handle attempted invalid transition")
         self._status = status
 
     def _request_cancel(self) -> None:
@@ -140,13 +144,14 @@ class ActionServer:
         status_pub_qos_profile: Any = None,
         result_timeout: int = 900,
     ):
-        if not callable(execute_callback):
-            raise TypeError("Failed to register goal execution callback: not callable")
+        self.register_execute_callback(execute_callback)
+        check_is_valid_action_type(action_type)
         self.action_type, self.callback_group = action_type, callback_group or node.default_callback_group
-        self.name, self.node = node.resolve_service_name(action_name), node.get_fully_qualified_name()
+        self.name, self.node = action_full_name(node, action_name, "server"), node.get_fully_qualified_name()
+        self._handle = Handle(self._end, self.name)
         self.type = message_classes.type_name(action_type)
         self._ros_node = node
-        self._execute_callback, self._goal_callback = execute_callback, goal_callback
+        self._goal_callback = goal_callback
         self._accepted_callback, self._cancel_callback = handle_accepted_callback, cancel_callback
         self._events: deque[Callable[[], Any]] = deque()
         self._handles: dict[bytes, ServerGoalHandle] = {}
@@ -224,9 +229,15 @@ class ActionServer:
         if handle.is_active:
             logger.warning(f"Goal state not set, assuming aborted. Goal ID: {list(handle._key)}")
             handle.abort()
-        handle._tell(self.action_type.Result() if result is None else result)
+        if result is None:
+            result = self.action_type.Result()
+        if not isinstance(result, self.action_type.Result):
+            raise TypeError(f"Expected {self.action_type.Result}, got {type(result)}")
+        handle._tell(result)
 
     def register_execute_callback(self, execute_callback: Callable[[Any], Any]) -> None:
+        if not callable(execute_callback):
+            raise TypeError("Failed to register goal execution callback: not callable")
         self._execute_callback = execute_callback
 
     def register_goal_callback(self, goal_callback: Callable[[Any], Any] | None) -> None:
@@ -239,5 +250,14 @@ class ActionServer:
         self._cancel_callback = cancel_callback or default_cancel_callback
 
     def destroy(self) -> None:
+        self._handle.destroy_when_not_in_use()
+
+    def _end(self) -> None:
         self._actions.withdraw(self)
         self._ros_node.remove_waitable(self)
+
+    def __enter__(self) -> "ActionServer":
+        return self
+
+    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
+        self.destroy()

@@ -20,7 +20,7 @@ from drake_twin.ros2.launch_ros.utilities.evaluate_parameters import evaluate_pa
 from drake_twin.ros2.launched import NODE, LaunchedProcess, joined_namespace
 from drake_twin.ros2.node_elements import parse_parameters, parse_remappings
 from drake_twin.ros2.node_settings import global_parameters, remapping_pairs
-from drake_twin.ros2.ros_arguments import split_ros_arguments
+from drake_twin.ros2.ros_arguments import of_node, split_ros_arguments
 
 # What ROS knows and the twin ignores.
 _IGNORED = ("exec_name", "machine", "autostart")
@@ -163,7 +163,7 @@ class Node(ExecuteLocal):
             parameters=(
                 *global_parameters(context),
                 *evaluate_parameters(context, self._parameters),
-                *split.parameters,
+                *of_node(split.parameters, split.name or name),
             ),
             remappings=(*remapping_pairs(context, self._remappings), *split.remappings),
             arguments=split.arguments,

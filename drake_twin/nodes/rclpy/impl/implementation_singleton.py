@@ -1,0 +1,5 @@
+"""Stand-in for ``rclpy.impl.implementation_singleton``: of rclpy's C++ there are the exceptions only."""
+
+from drake_twin.nodes.rclpy import _rclpy_pybind11 as rclpy_implementation
+
+__all__ = ["rclpy_implementation"]
