@@ -14,6 +14,7 @@ import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist, TwistStamped, TransformStamped
 from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image, Joy, LaserScan, PointCloud2
 from std_msgs.msg import Header
 from tf2_ros import StaticTransformBroadcaster
@@ -102,7 +103,7 @@ def place():
     frames.sendTransform(transform)
     timer.cancel()
 
-node.create_subscription(LaserScan, "/scan", hear, 10)
+node.create_subscription(LaserScan, "/scan", hear, qos_profile_sensor_data)
 node.create_timer(0.2, tick)
 timer = node.create_timer(0.5, place)
 """
@@ -134,7 +135,7 @@ scans = node.create_publisher(LaserScan, "/scan_in", 10)
 node.create_timer(0.2, lambda: scans.publish(LaserScan(header=Header(stamp=stamp(), frame_id="laser"), angle_min=0.0,
     angle_max=1.5707964, angle_increment=1.5707964, range_max=9.0, ranges=[1.0, 2.0])))
 node.create_subscription(PointCloud2, "/cloud", lambda cloud: print(cloud.header.frame_id,
-    [[round(float(p[name]), 3) for name in "xyz"] for p in read_points(cloud)]), 10)
+    [[round(float(p[name]), 3) for name in "xyz"] for p in read_points(cloud)]), qos_profile_sensor_data)
 """
     program = NodeProgram("laserscan_to_pointcloud_node", "pointcloud_to_laserscan")
     assert run(tmp_path, text, program) == []
@@ -151,7 +152,7 @@ def tick():
     if ears:
         node.destroy_subscription(ears.pop())
     else:
-        ears.append(node.create_subscription(LaserScan, "/scan", print, 10))
+        ears.append(node.create_subscription(LaserScan, "/scan", print, qos_profile_sensor_data))
 
 node.create_timer(0.4, tick)
 """

@@ -22,7 +22,7 @@ from geometry_msgs.msg import (
 )
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from robot_localization.srv import SetPose, ToggleFilterProcessing
 from sensor_msgs.msg import Imu
@@ -148,7 +148,8 @@ class EkfNode(Node):
                     break
                 sources = self._sources_of(kind, name)
                 self._sources += sources
-                profile = QoSProfile(depth=max(1, int(self.value(f"{name}_queue_size", 10))))
+                depth = max(1, int(self.value(f"{name}_queue_size", 10)))
+                profile = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
                 self.create_subscription(message_type, topic, partial(hear, *sources), profile)
 
     def _sources_of(self, kind: str, name: str) -> list[Source]:
