@@ -160,7 +160,9 @@ def test_no_file_is_long():
 def test_no_class_has_many_public_methods():
     many = {}
     for module, file in FILES.items():
-        if module.startswith("drake_twin.nodes.rclpy"):  # the methods are those of ROS's classes
+        if module.startswith(
+            ("drake_twin.nodes.rclpy", "drake_twin.nodes.nav2_simple_commander")
+        ):  # the methods are those of ROS's classes
             continue
         for node in ast.walk(parsed(file)):
             if isinstance(node, ast.ClassDef):

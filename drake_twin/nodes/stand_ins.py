@@ -11,6 +11,7 @@ _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
+_LAUNCH = frozenset(("launch", "launch_ros", "launch_xml", "launch_yaml", "moveit_configs_utils", "nav2_common"))
 YIELDING = frozenset(("nav2_simple_commander", "interactive_markers"))  # to a workspace that has their sources
 
 
@@ -24,6 +25,8 @@ def stand_in(name: str) -> ModuleType | None:
     root = name.partition(".")[0]
     if root in _OF_LAUNCH_FILES:
         return importlib.import_module(f"drake_twin.ros2.{name}")
+    if root in _LAUNCH:
+        return _module_of_launch_files(name)
     if root not in ROOTS:
         return None
     path = _FOLDER.joinpath(*name.split("."))
@@ -77,3 +80,15 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
     listed = sorted(item for item in names if not item.startswith("_"))
     vars(view).update(__all__=listed, __getattr__=attribute, __dir__=lambda: [*vars(view), *listed])
     return view
+
+
+def _module_of_launch_files(name: str) -> ModuleType:
+    """Return a module that launch files have: programs import it where a launch description is in their file."""
+    from drake_twin.ros2 import stand_in_modules
+
+    if stand_in_modules.exports(name) is None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+    module = ModuleType(name)
+    module.__path__ = []
+    stand_in_modules.StandInLoader().exec_module(module)
+    return module

@@ -75,3 +75,24 @@ def test_a_module_of_another_name_than_its_package(tmp_path, capsys):
     other.mkdir()
     run_script(other, "from reach.far import FAR\nprint(FAR)\n")
     assert capsys.readouterr().out.split() == ["1.4"]
+
+
+def test_a_program_with_a_launch_description_in_its_file(tmp_path, capsys):
+    """As those of py_trees_ros_tutorials: ``ros2 launch`` and ``ros2 run`` read the same module."""
+    text = """
+import launch, launch_ros.actions
+from launch.actions import DeclareLaunchArgument
+
+def generate_launch_description():
+    node = launch_ros.actions.Node(package="a", executable="b")
+    return launch.LaunchDescription([DeclareLaunchArgument("speed"), node])
+
+print([type(each).__name__ for each in generate_launch_description().entities])
+try:
+    import launch.actions.no_such_action
+except ModuleNotFoundError as error:
+    print(error)
+"""
+    assert run_script(tmp_path, text) == ""
+    said = capsys.readouterr().out.splitlines()
+    assert said == ["['DeclareLaunchArgument', 'Node']", "No module named 'launch.actions.no_such_action'"]

@@ -8,7 +8,7 @@ _NAME = "_ros2cli"  # hidden, by its underscore
 
 
 class NodeStrategy:
-    """A node that is there within a ``with`` block; there is no daemon to ask instead.
+    """A node that is there within a ``with`` block; it asks the graph itself, without a daemon.
 
     Args:
         args: The options of the command line, of which none matters here.
