@@ -11,6 +11,8 @@ _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
+YIELDING = frozenset(("nav2_simple_commander", "interactive_markers"))  # to a workspace that has their sources
+
 
 @cache
 def stand_in(name: str) -> ModuleType | None:
