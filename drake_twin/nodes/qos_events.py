@@ -28,6 +28,7 @@ class QosEvents:
         self._now, self._post = now, post
         self._mismatch, self._profile_of = qos_compatibility.mismatch, qos_compatibility.profile_of
         self._is_manual = qos_compatibility.is_manual
+        self._told_as = qos_compatibility.rmw_qos_policy_kind_t
 
     def pair(self, publication: Publication, reception: Reception) -> None:
         """Let a subscription hear a publisher if it may."""
@@ -70,7 +71,7 @@ class QosEvents:
 
     def refused(self, item: Item, kind: int) -> None:
         """Tell of another one that offers less, or requests more."""
-        _tell(item, "incompatible_qos", total_count=1, last_policy_kind=kind)
+        _tell(item, "incompatible_qos", total_count=1, last_policy_kind=self._told_as(kind))
 
     def counted(self, item: Item, change: int) -> None:
         """Tell of another one that has come or gone."""

@@ -70,6 +70,8 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
             value = getattr(home, wanted)
         elif source is not None or wanted.startswith("_") or wanted in more or _is_submodule(own, wanted):
             value = getattr(own, wanted)
+        elif "__getattr__" in vars(own):
+            value = vars(own)["__getattr__"](wanted)
         else:
             raise AttributeError(f"module {name!r} has no attribute {wanted!r}")
         if isinstance(value, ModuleType) and value.__name__ == f"{__package__}.{name}.{wanted}":

@@ -1,6 +1,7 @@
-"""Stand-in for the exceptions of ``rclpy._rclpy_pybind11``, which rclpy's C++ raises."""
+"""Stand-in for ``rclpy._rclpy_pybind11``: the exceptions that rclpy's C++ raises, and the policies that it names."""
 
 import builtins
+from enum import IntEnum
 
 
 class RCLError(RuntimeError):
@@ -37,3 +38,24 @@ class RMWError(RuntimeError):
 
 class NotImplementedError(builtins.NotImplementedError):
     """Raised for what the middleware does not have."""
+
+
+class rmw_qos_policy_kind_t(IntEnum):  # noqa: N801  # its name in rclpy
+    """The policies, as events name them."""
+
+    RMW_QOS_POLICY_INVALID = 1
+    RMW_QOS_POLICY_DURABILITY = 2
+    RMW_QOS_POLICY_DEADLINE = 4
+    RMW_QOS_POLICY_LIVELINESS = 8
+    RMW_QOS_POLICY_RELIABILITY = 16
+    RMW_QOS_POLICY_HISTORY = 32
+    RMW_QOS_POLICY_LIFESPAN = 64
+    RMW_QOS_POLICY_DEPTH = 128
+    RMW_QOS_POLICY_LIVELINESS_LEASE_DURATION = 256
+    RMW_QOS_POLICY_AVOID_ROS_NAMESPACE_CONVENTIONS = 512
+
+    def __str__(self) -> str:
+        return f"rmw_qos_policy_kind_t.{self.name}"
+
+    def __format__(self, spec: str) -> str:
+        return format(str(self), spec)

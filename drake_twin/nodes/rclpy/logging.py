@@ -39,7 +39,7 @@ class RcutilsLogger:
     def is_enabled_for(self, severity: int) -> bool:
         return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def log(self, message: str, severity: int, **options: Any) -> bool:
+    def log(self, message: str | None, severity: int, **options: Any) -> bool:
         """Print a line, unless its level is too low or it comes too often.
 
         Args:
@@ -65,6 +65,8 @@ class RcutilsLogger:
         now = 0 if task is None else task.now
         if not known.is_due(now):
             return False
+        if message is None:  # what C prints
+            message = "(null)"
         if not isinstance(message, str):
             raise TypeError(f"rclpy_logging_rcutils_log(): incompatible function arguments: {message!r} is not a str")
         shown = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{name}"

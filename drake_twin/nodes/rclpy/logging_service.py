@@ -19,7 +19,7 @@ class LoggingService:
         from rcl_interfaces.msg import LoggerLevel
 
         for name in request.names:
-            level = logging.get_logger(name).get_effective_level()
+            level = logging.get_logger_level(name)
             response.levels.append(LoggerLevel(name=name, level=int(level)))
         return response
 

@@ -132,7 +132,7 @@ class ParameterEventHandler:
     def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
         self._callbacks.remove_parameter_event_callback(handle)
 
-    def _resolve_path(self, node: str) -> str:
+    def _resolve_path(self, node: str = "") -> str:
         """Return a node's full name: a relative one is in the namespace of the handler's own node, "" that node."""
         if not node:
             return self.node.get_fully_qualified_name()

@@ -6,6 +6,7 @@ Source: ros2/rmw_dds_common (jazzy), rmw_dds_common/src/qos.cpp; eclipse-cyclone
 from enum import Enum
 from typing import Any
 
+from drake_twin.nodes.rclpy._rclpy_pybind11 import rmw_qos_policy_kind_t as rmw_qos_policy_kind_t
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.qos_profiles import (
     DurabilityPolicy,

@@ -10,6 +10,12 @@ from drake_twin.nodes.rclpy.exceptions import ParameterAlreadyDeclaredException
 from drake_twin.nodes.rclpy.qos_profiles import QoSPolicyEnum, QoSPolicyKind, QoSProfile
 
 
+def __getattr__(name: str) -> Any:
+    if name == "QosCallbackResult":  # what a callback returns
+        return message_class("rcl_interfaces/msg/SetParametersResult")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
 class InvalidQosOverridesError(Exception):
     """Raised if the program refuses what the parameters make of a profile."""
 
