@@ -129,7 +129,13 @@ def wait_until(task: Task, is_ready: Callable[[], bool], timeout: float | None) 
         task.enter()
     if is_ready():
         return True
-    task.wait(is_ready, inf if timeout is None or timeout < 0 else task.now + round(min(timeout, 1e9) * _SECOND))
+    if timeout == 0:
+        task.count_idle_call()
+        return is_ready()
+    until = inf
+    if timeout is not None and timeout > 0:
+        until = max(task.after, task.now + round(min(timeout, 1e9) * _SECOND))
+    task.wait(is_ready, until)
     return is_ready()
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
+_WITHOUT_A_LIST = ("rclpy._rclpy_pybind11", "rclpy.clock_type", "rclpy.impl", "rclpy.type_hash")
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
 
@@ -22,14 +23,36 @@ def stand_in(name: str) -> ModuleType | None:
     root = name.partition(".")[0]
     if root in _OF_LAUNCH_FILES:
         return importlib.import_module(f"drake_twin.ros2.{name}")
+    if root == "launch":
+        return _of_launch(name)
     if root not in ROOTS:
         return None
+    if root == "rclpy" and name not in exports() and name not in _WITHOUT_A_LIST:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
     path = _FOLDER.joinpath(*name.split("."))
     if not path.with_suffix(".py").is_file() and not (path / "__init__.py").is_file():
         raise ModuleNotFoundError(f"No module named {name!r}", name=name)
     own = importlib.import_module(f"{__package__}.{name}")
     names = exports().get(name)
     return own if names is None else _view(name, own, names)
+
+
+def _of_launch(name: str) -> ModuleType | None:
+    """Return the module that launch files get under a name: a node can build descriptions, but run none."""
+    from drake_twin.ros2 import stand_in_modules
+
+    names = stand_in_modules.exports(name)
+    if names is None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+    module = ModuleType(name)
+    listed = sorted(names)
+    vars(module).update(
+        __path__=[],
+        __all__=listed,
+        __getattr__=lambda wanted: stand_in_modules.stand_in(name, wanted),
+        __dir__=lambda: [*vars(module), *listed],
+    )
+    return module
 
 
 @cache
@@ -58,7 +81,7 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
         if source is not None and source != name:
             home = importlib.import_module(source if source in ("typing", "threading") else f"{__package__}.{source}")
             value = getattr(home, wanted)
-        elif source is not None or wanted.startswith("_") or wanted in more:
+        elif source is not None or wanted.startswith("_") or wanted in more or "__getattr__" in vars(own):
             value = getattr(own, wanted)
         else:
             raise AttributeError(f"module {name!r} has no attribute {wanted!r}")

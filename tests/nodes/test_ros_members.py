@@ -75,7 +75,7 @@ def test_a_function_that_ignores_what_it_is_given_is_found(tmp_path, text, names
         ("rclpy.node.Node.get_parameter", "supported"),  # by a base class of another name
         ("rclpy.service.Service.send_response", "supported"),
         ("launch.LaunchService", "a finding"),
-        ("rclpy.signals.get_current_signal_handlers_options", "absent"),
+        ("rclpy.time_source.TimeSource", "supported"),
         ("launch.actions.ExecuteProcess.name", "supported"),  # by a base class
         ("rclpy.node.Node.no_such_member", "absent"),
     ],

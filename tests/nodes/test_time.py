@@ -101,6 +101,7 @@ def test_sleep_and_clocks_are_simulated(tmp_path, capsys):
         HEAD
         + """
 import datetime
+import threading
 import time
 from datetime import datetime as DateTime
 from time import sleep
@@ -111,6 +112,7 @@ sleep(1.5)
 print(time.time(), time.monotonic(), time.time_ns(), node.get_clock().now().nanoseconds)
 print(DateTime.now().timestamp(), datetime.datetime.now().timestamp(), isinstance(DateTime.now(), DateTime))
 node.get_clock().sleep_for(rclpy.duration.Duration(seconds=0.25))
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
 rate = node.create_rate(10)
 rate.sleep()
 print(round(time.time(), 6))

@@ -45,14 +45,15 @@ __all__ = [
 class _Initialized:
     """What ``init`` returns in Jazzy: a context manager that shuts down at its end."""
 
-    def __init__(self, context: Context):
-        self.context = context
+    def __init__(self, context: Context | None):
+        self._given = context
+        self.context = context or default_context()
 
     def __enter__(self) -> "_Initialized":
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.context.try_shutdown()
+        try_shutdown(context=self._given)
 
 
 def init(
@@ -63,14 +64,18 @@ def init(
     signal_handler_options: SignalHandlerOptions | None = None,
 ) -> _Initialized:
     """Begin to use ROS."""
-    context = context or default_context()
-    context.init(args, domain_id=domain_id)
+    if signal_handler_options is None:
+        signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
+    (context or default_context()).init(args, domain_id=domain_id)
+    install_signal_handlers(signal_handler_options)
     return _Initialized(context)
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
     """End the use of ROS."""
-    context = context or default_context()
+    if uninstall_handlers or (uninstall_handlers is None and context is None):
+        uninstall_signal_handlers()
+    context = context or default_context(shutting_down=True)
     executor = present_task().program.rclpy.pop("executor", None)
     if executor is not None:
         executor.shutdown()

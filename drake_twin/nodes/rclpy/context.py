@@ -20,7 +20,7 @@ class Context:
     """Between ``init`` and ``shutdown``."""
 
     def __init__(self) -> None:
-        self.is_valid = False
+        self.is_valid = self._has_begun = False
         self._domain_id = 0
         self.arguments = RosArguments(())
         self._callbacks: list[Callable[[], Any]] = []
@@ -28,13 +28,17 @@ class Context:
     def init(
         self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
-        if self.is_valid:
+        if domain_id is not None and domain_id < 0:
+            raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
+        if self._has_begun:
             raise RuntimeError("Context.init() must only be called once")
         words = list(sys.argv if args is None else args)
+        for word in words:
+            word.encode()
         self.arguments = checked_arguments(words, RCLError)
         for name, level in self.arguments.log_levels:
             set_logger_level(name, get_logging_severity_from_string(level))
-        self.is_valid = True
+        self.is_valid = self._has_begun = True
         self._domain_id = domain_id or 0
 
     def ok(self) -> bool:
@@ -44,7 +48,12 @@ class Context:
         return self.is_valid
 
     def on_shutdown(self, callback: Callable[[], Any]) -> None:
-        self._callbacks.append(callback)
+        if not callable(callback):
+            raise TypeError("callback should be a callable, got {}", type(callback))
+        if self._has_begun and not self.is_valid:
+            callback()
+        else:
+            self._callbacks.append(callback)
 
     def try_shutdown(self) -> None:
         if self.is_valid:
@@ -59,14 +68,22 @@ class Context:
         self.try_shutdown()
 
     def get_domain_id(self) -> int:
+        if not self._has_begun:
+            raise RuntimeError("Context must be initialized before it can have a domain id")
         return self._domain_id
 
-    def __enter__(self) -> "Context":
-        if not self.is_valid:
-            self.init()
+    def destroy(self) -> None:
+        """Do nothing more: it has no other resources than those that end with it."""
+
+    @property
+    def handle(self) -> "Context":
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __enter__(self) -> "Context":
+        self.init()
+        return self
+
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
         self.try_shutdown()
 
 
@@ -86,10 +103,12 @@ def checked_arguments(words: Sequence[str], error_class: type[RCLError]) -> RosA
     return split_ros_arguments(words)
 
 
-def default_context() -> Context:
-    """Return the context of the program."""
+def default_context(*, shutting_down: bool = False) -> Context:
+    """Return the context of the program, which is another one after it has been shut down."""
     known = present_task().program.rclpy
     if "context" not in known:
         known["context"] = Context()
     context: Context = known["context"]
+    if shutting_down:
+        del known["context"]
     return context

@@ -1,7 +1,10 @@
 """Stand-in for ``rclpy.executors``: spinning is waiting for the baton with something to do."""
 
 import inspect
-from collections.abc import Callable, Coroutine
+import warnings
+from collections import deque
+from collections.abc import Callable, Coroutine, Sequence
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -25,9 +28,6 @@ class ShutdownException(Exception):
 class ExternalShutdownException(Exception):
     """Raised when the context has been shut down."""
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__("context has been shutdown externally", *args)
-
 
 class ConditionReachedException(Exception):
     """Raised when a condition holds."""
@@ -43,6 +43,8 @@ class TimeoutObject:
 class Executor:
     """Calls back for nodes.
 
+    As in rclpy, it works in rounds: each task that can continue, the newest one first, then all that is ready, once.
+
     Args:
         context: The context.
     """
@@ -51,6 +53,9 @@ class Executor:
         self._context = context or default_context()
         self._nodes: list[Any] = []
         self._tasks: list[Task] = []
+        self._round: deque[Any] = deque()
+        self._has_done_tasks = False
+        self._given: list[Any] = []  # what `wait_for_ready_callbacks` has returned, and has not begun yet
         self._is_shutdown = False
         self._is_awake = False
 
@@ -72,11 +77,13 @@ class Executor:
             return False
         self._nodes.append(node)
         node.executor = self
+        self.wake()
         return True
 
     def remove_node(self, node: Any) -> None:
         if node in self._nodes:
             self._nodes.remove(node)
+            self.wake()
 
     def get_nodes(self) -> list[Any]:
         return list(self._nodes)
@@ -86,12 +93,14 @@ class Executor:
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
         self._is_shutdown = True
+        self._nodes.clear()
+        self._round.clear()
         return True
 
     def __enter__(self) -> "Executor":
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
         self.shutdown()
 
     def spin(self) -> None:
@@ -106,89 +115,132 @@ class Executor:
             now = present_task().now
             if now >= end and timeout_sec:
                 return
-            self._spin_once(max(0.0, end - now), lambda: future.has_ended)
+            left = None if end == inf else max(0, end - now) * 1e-9
+            self.spin_once_until_future_complete(future, left)
             if timeout_sec == 0:
                 return
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Call back once, after at most some simulation time (s)."""
-        self._spin_once(inf if timeout_sec is None or timeout_sec < 0 else timeout_sec * 1e9, lambda: False)
+        raise NotImplementedError
 
-    def spin_once_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        self._spin_once(inf if timeout_sec is None or timeout_sec < 0 else timeout_sec * 1e9, lambda: future.has_ended)
+    def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
+        """Call back once, after at most some simulation time (s), or until a future is done."""
+        raise NotImplementedError
 
-    def _spin_once(self, timeout: float, is_over: Callable[[], bool]) -> None:
-        """Call back once, after at most ns, or until a condition holds."""
+    def can_execute(self, entity: Any) -> bool:
+        """Return whether the callback group of something lets it be done."""
+        return entity not in self._given and bool(entity.callback_group.can_execute(entity))
+
+    def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> tuple[Task, Any, Any]:
+        """Wait for something to do; return it as a task, with what it is of and its node.
+
+        Raises:
+            TimeoutException: If there is nothing for some simulation time (s).
+            ConditionReachedException: If a condition holds.
+            ShutdownException: If the executor has been shut down.
+            ExternalShutdownException: If the context has been shut down.
+        """
+        return self._wait_for_ready_callbacks(*args, **kwargs)
+
+    def _wait_for_ready_callbacks(
+        self,
+        timeout_sec: Any = None,
+        nodes: Sequence[Any] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> tuple[Task, Any, Any]:
+        work = self._next_work(_nanoseconds(timeout_sec), condition, self._nodes if nodes is None else nodes)
+        if isinstance(work, Task):
+            return work, None, None
+        self._given.append(work)
+
+        def begin() -> Any:
+            self._given.remove(work)
+            return self._begun(work) if work.callback_group.beginning_execution(work) else None
+
+        node = next((node for node in self._nodes if work in node.entities), None)
+        task = self.create_task(begin)
+        return task, getattr(work, "waitable", work), node
+
+    def _next_work(self, timeout: float, is_over: Callable[[], bool], nodes: Sequence[Any]) -> Any:
+        """Wait for something to do, at most for ns or until a condition holds; see `wait_for_ready_callbacks`."""
         thread = present_task()
-        if self._is_shutdown:
-            raise ShutdownException
-        work = self._next_work()
-        if work is None:
-            if timeout <= 0:
-                thread.count_idle_call()
-            else:
-                until = inf if timeout == inf else max(thread.after, thread.now + timeout)
-                thread.wait(lambda: self._next_work() is not None or self._is_over() or is_over(), until, self._due)
+        end = inf if timeout == inf else thread.now + timeout
+        while True:
+            if self._is_shutdown:
+                raise ShutdownException
+            if is_over():
+                raise ConditionReachedException
+            if (work := self._taken(nodes)) is not None:
+                return work
+            now = thread.now
+            if now >= end:
+                if timeout <= 0:
+                    thread.count_idle_call()
+                raise TimeoutException
+            until = inf if end == inf else max(thread.after, end)
+            due = partial(self._due, nodes)
+            thread.wait(lambda: self._is_awake or self._is_over() or is_over() or self._has_work(nodes), until, due)
             self._is_awake = False
-            if not self._context.ok():
+            if not self._context.ok() and not self._is_shutdown:
                 raise ExternalShutdownException
-            work = None if is_over() else self._next_work()
-        if work is not None:
-            self._execute(work)
 
     def _is_over(self) -> bool:
-        return self._is_shutdown or self._is_awake or not self._context.is_valid
+        return self._is_shutdown or not self._context.is_valid
 
-    def _next_work(self) -> Any:
-        """Return what can be done now: a task, or an entity."""
-        for task in self._tasks:
-            if task.is_ready():
-                return task
-        for node in self._nodes:
-            for entity in node.entities:
-                if entity.is_ready() and entity.callback_group.can_execute(entity):
-                    return entity
+    def _has_work(self, nodes: Sequence[Any]) -> bool:
+        """Return whether anything can be done."""
+        return any(task.is_ready() for task in self._tasks) or any(
+            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node.entities
+        )
+
+    def _taken(self, nodes: Sequence[Any]) -> Any:
+        """Return what is to be done next, a task or an entity; None without anything."""
+        for _ in range(3):
+            while self._round:
+                work = self._round.popleft()
+                if work.is_ready() and (isinstance(work, Task) or self.can_execute(work)):
+                    return work
+            self._has_done_tasks = not self._has_done_tasks
+            if self._has_done_tasks:
+                self._round += [task for task in reversed(self._tasks) if task.is_ready()]
+            else:
+                self._round += [entity for node in nodes for entity in node.entities if entity.is_ready()]
         return None
 
-    def _due(self) -> float:
+    def _due(self, nodes: Sequence[Any]) -> float:
         due = inf
-        for node in self._nodes:
-            for timer in node._timers:
+        for node in nodes:
+            for timer in node.timers:
                 if (own := timer.due()) < due and timer.callback_group.can_execute(timer):
                     due = own
         return due
 
-    def _execute(self, work: Any) -> None:
-        if not isinstance(work, Task):
-            work.callback_group.beginning_execution(work)
-        self._run(work)
-
     def _run(self, work: Any) -> None:
-        """Do what has been begun: a task, or one thing of an entity."""
+        """Do what has been begun: a task, or one thing of an entity.
+
+        Raises:
+            Exception: What a callback has raised.
+        """
         if isinstance(work, Task):
             self._run_task(work)
             return
-        group = work.callback_group
+        found = self._begun(work)
+        if inspect.iscoroutine(found):
+            self._run_task(self.create_task(_result_of, found))
+
+    def _begun(self, work: Any) -> Any:
+        """Do one thing of an entity that its group has let begin; return a coroutine if it has to be awaited."""
+        group, work.executor = work.callback_group, self
         try:
             found = work.execute()
         except BaseException:
             group.ending_execution(work)
             raise
         if inspect.iscoroutine(found):
-            self._follow(found, lambda: group.ending_execution(work))
-        else:
-            group.ending_execution(work)
-
-    def _follow(self, coroutine: Coroutine[Any, Any, Any], end: Callable[[], None]) -> None:
-        """Run a callback that awaits."""
-
-        async def run() -> None:
-            try:
-                await coroutine
-            finally:
-                end()
-
-        self._run_task(self.create_task(run))
+            return _followed(found, lambda: group.ending_execution(work))
+        group.ending_execution(work)
+        return found
 
     def _run_task(self, task: Task) -> None:
         try:
@@ -196,10 +248,26 @@ class Executor:
         finally:
             if task.has_ended and task in self._tasks:
                 self._tasks.remove(task)
+        if task.has_ended and (error := task.exception()) is not None:
+            raise error
 
 
 class SingleThreadedExecutor(Executor):
     """Calls back in the thread that spins."""
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        self._spin_once(timeout_sec)
+
+    def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
+        self._spin_once(timeout_sec, lambda: future.has_ended)
+
+    def _spin_once(self, timeout: Any, is_over: Callable[[], bool] = lambda: False) -> None:
+        try:
+            work = self._next_work(_nanoseconds(timeout), is_over, self._nodes)
+        except (ShutdownException, TimeoutException, ConditionReachedException):
+            return
+        if isinstance(work, Task) or work.callback_group.beginning_execution(work):
+            self._run(work)
 
 
 class MultiThreadedExecutor(Executor):
@@ -212,32 +280,50 @@ class MultiThreadedExecutor(Executor):
 
     def __init__(self, num_threads: int | None = None, *, context: Any = None) -> None:
         super().__init__(context=context)
+        if num_threads is not None and num_threads <= 0:
+            raise ValueError("max_workers must be greater than 0")
+        if num_threads == 1:
+            warnings.warn(
+                "MultiThreadedExecutor is used with a single thread.\nUse the SingleThreadedExecutor instead.",
+                stacklevel=2,
+            )
         self._number = max(1, num_threads or _MOST_THREADS)
         self._workers: list[_Worker] = []
         self._error: BaseException | None = None
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        self._spin_once(timeout_sec)
+
+    def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
+        self._spin_once(timeout_sec, lambda: future.has_ended)
 
     @property
     def _is_busy(self) -> bool:
         return len(self._workers) >= self._number and all(worker.is_busy for worker in self._workers)
 
-    def _next_work(self) -> Any:
-        return None if self._error is None and self._is_busy else super()._next_work()
+    def _has_work(self, nodes: Sequence[Any]) -> bool:
+        return not self._is_busy and super()._has_work(nodes)
 
-    def _is_over(self) -> bool:
-        return self._error is not None or super()._is_over()
+    def _taken(self, nodes: Sequence[Any]) -> Any:
+        return None if self._is_busy else super()._taken(nodes)
 
-    def _due(self) -> float:
-        return inf if self._is_busy else super()._due()
+    def _due(self, nodes: Sequence[Any]) -> float:
+        return inf if self._is_busy else super()._due(nodes)
 
-    def _spin_once(self, timeout: float, is_over: Callable[[], bool]) -> None:
-        if self._error is None:
-            super()._spin_once(timeout, is_over)
+    def _spin_once(self, timeout: Any, is_over: Callable[[], bool] = lambda: False) -> None:
+        try:
+            work = self._next_work(_nanoseconds(timeout), lambda: self._error is not None or is_over(), self._nodes)
+        except (ShutdownException, ExternalShutdownException, TimeoutException, ConditionReachedException):
+            pass
+        else:
+            self._hand_over(work)
         if self._error is not None:
             error, self._error = self._error, None
             raise error
 
-    def _execute(self, work: Any) -> None:
-        if isinstance(work, Task) and not work.is_ready():
+    def _hand_over(self, work: Any) -> None:
+        """Let a thread do something."""
+        if not isinstance(work, Task) and not work.callback_group.beginning_execution(work):
             return
         worker = next((item for item in self._workers if not item.is_busy), None)
         if worker is None:
@@ -245,8 +331,6 @@ class MultiThreadedExecutor(Executor):
             self._workers.append(worker)
             worker.thread = present_task().new_thread(worker.run)
             worker.thread.is_daemon = True
-        if not isinstance(work, Task):
-            work.callback_group.beginning_execution(work)
         worker.work = lambda: self._work(work)
         present_task().wait(lambda: worker.has_begun)
         worker.has_begun = False
@@ -284,3 +368,21 @@ class _Worker:
                 )
             finally:
                 self.work = None
+
+
+def _nanoseconds(timeout: Any) -> float:
+    """Return a timeout (s), which may be a `TimeoutObject`, in ns; infinite for None or a negative one."""
+    seconds = timeout.timeout if isinstance(timeout, TimeoutObject) else timeout
+    return inf if seconds is None or seconds < 0 else float(seconds * 1e9)
+
+
+async def _result_of(coroutine: Coroutine[Any, Any, Any]) -> Any:
+    return await coroutine
+
+
+async def _followed(coroutine: Coroutine[Any, Any, Any], end: Callable[[], None]) -> Any:
+    """Await what a callback returns, and call something at its end."""
+    try:
+        return await coroutine
+    finally:
+        end()

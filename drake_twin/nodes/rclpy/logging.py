@@ -2,25 +2,16 @@
 
 import os
 import sys
-from enum import IntEnum
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from drake_twin.nodes.rclpy.impl.logging_call import Call
+from drake_twin.nodes.rclpy.impl.logging_severity import LoggingSeverity
 from drake_twin.nodes.task import Task, here
 from drake_twin.program import say
 from drake_twin.twin.event_topics import ROSOUT
 from drake_twin.twin.rosout import put_line
-
-
-class LoggingSeverity(IntEnum):
-    """How grave a line is."""
-
-    UNSET = 0
-    DEBUG = 10
-    INFO = 20
-    WARN = 30
-    ERROR = 40
-    FATAL = 50
 
 
 class RcutilsLogger:
@@ -28,9 +19,11 @@ class RcutilsLogger:
 
     def __init__(self, name: str = ""):
         self.name = name
-        self._said: dict[tuple[str, int], int] = {}
+        self._calls: dict[tuple[Any, ...], Call] = {}
 
     def get_child(self, name: str) -> "RcutilsLogger":
+        if not name:
+            raise ValueError("Child logger name must not be empty.")
         child = RcutilsLogger(f"{self.name}.{name}" if self.name else name)
         published = _published()
         if self.name in published:
@@ -44,70 +37,65 @@ class RcutilsLogger:
         return get_logger_effective_level(self.name)
 
     def is_enabled_for(self, severity: int) -> bool:
-        return severity >= self.get_effective_level()
+        return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def log(
-        self,
-        message: Any,
-        severity: int,
-        *,
-        once: bool = False,
-        skip_first: bool = False,
-        throttle_duration_sec: float | None = None,
-        throttle_time_source_type: Any = None,
-        name: str | None = None,
-    ) -> bool:
-        """Print a line, unless its level is too low or it comes too often."""
+    def log(self, message: str, severity: int, **kwargs: Any) -> bool:
+        """Print a line, unless its level is too low or it comes too often.
+
+        Args:
+            message: The text.
+            severity: Its level.
+            **kwargs: ``once``, ``skip_first``, ``throttle_duration_sec`` (s) with ``throttle_time_source_type`` (a
+                clock), and ``name`` in place of the logger's.
+
+        Raises:
+            TypeError: If an option is unknown, or the message is not a text.
+            ValueError: If the same line of the program has called with other options before.
+        """
         if not self.is_enabled_for(severity):
             return False
+        name = kwargs.pop("name", self.name)
+        call = Call(name, LoggingSeverity(severity), kwargs)
+        frame = _caller()
+        place = frame.f_code.co_name, frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
+        known = self._calls.setdefault(place, call)
+        if known is not call:
+            known.check(call)
         task = here()
         now = 0 if task is None else task.now
-        if once or skip_first or throttle_duration_sec is not None:
-            frame = _caller()
-            key = frame.f_code.co_filename, frame.f_lineno
-            before = self._said.get(key)
-            if before is not None and once:
-                return False
-            if before is None and skip_first:
-                self._said[key] = now
-                return False
-            if (
-                throttle_duration_sec is not None
-                and before is not None
-                and 0 <= now - before < throttle_duration_sec * 1e9
-            ):
-                return False
-            self._said[key] = now
-        name = self.name if name is None else name
-        place = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{name}"
-        say(f"[{LoggingSeverity(severity).name}] [{place}]: {message}", sys.stderr)
+        if not known.is_due(now):
+            return False
+        if not isinstance(message, str):
+            raise TypeError(f"rclpy_logging_rcutils_log(): incompatible function arguments: {message!r} is not a str")
+        shown = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{name}"
+        say(f"[{LoggingSeverity(severity).name}] [{shown}]: {message}", sys.stderr)
         if task is not None and name in _published():
-            _publish(task, int(severity), name, str(message))
+            _publish(task, int(severity), name, message)
         return True
 
-    def debug(self, message: Any, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.DEBUG, **options)
+    def debug(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.DEBUG, **kwargs)
 
-    def info(self, message: Any, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.INFO, **options)
+    def info(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.INFO, **kwargs)
 
-    def warning(self, message: Any, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.WARN, **options)
+    def warning(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.WARN, **kwargs)
 
     warn = warning
 
-    def error(self, message: Any, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.ERROR, **options)
+    def error(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.ERROR, **kwargs)
 
-    def fatal(self, message: Any, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.FATAL, **options)
+    def fatal(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.FATAL, **kwargs)
 
 
 def get_logger(name: str) -> RcutilsLogger:
     """Return a logger."""
     if not name:
         raise ValueError("Logger name must not be empty.")
-    return RcutilsLogger(name)
+    return _root_logger.get_child(name)
 
 
 def _caller() -> FrameType:
@@ -161,9 +149,15 @@ def get_logger_effective_level(name: str) -> LoggingSeverity:
     if levels := _levels():
         names = name.split(".") if name else []
         for count in range(len(names), -1, -1):
-            if level := levels.get(".".join(names[:count])):
+            level = levels.get(".".join(names[:count]))
+            if level or (level is not None and not count):
                 return level
     return LoggingSeverity.INFO
+
+
+def get_logger_level(name: str) -> LoggingSeverity:
+    """Return the level that a logger has itself."""
+    return _levels().get(name, LoggingSeverity.UNSET)
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
@@ -187,7 +181,15 @@ def shutdown() -> None:
 
 
 def clear_config() -> None:
-    """Do nothing."""
+    """Forget the levels of the program's loggers."""
+    _levels().clear()
+
+
+def get_logging_directory() -> Path:
+    """Return the folder in which ROS writes its logs."""
+    if folder := os.environ.get("ROS_LOG_DIR"):
+        return Path(folder)
+    return Path(os.environ.get("ROS_HOME") or "~/.ros").expanduser() / "log"
 
 
 _root_logger = RcutilsLogger()

@@ -3,6 +3,7 @@
 from typing import Any
 
 from drake_twin.nodes.rclpy import logging
+from drake_twin.nodes.rclpy.impl.logging_severity import LoggingSeverity
 
 
 class LoggingService:
@@ -28,7 +29,7 @@ class LoggingService:
         for item in request.levels:
             result = SetLoggerLevelsResult(successful=True)
             try:
-                logging.set_logger_level(item.name, logging.LoggingSeverity(item.level))
+                logging.set_logger_level(item.name, LoggingSeverity(item.level))
             except ValueError as error:
                 result = SetLoggerLevelsResult(successful=False, reason=str(error))
             response.results.append(result)

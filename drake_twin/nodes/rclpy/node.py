@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.rclpy._rclpy_pybind11 import InvalidHandle, RCLError, RCLInvalidROSArgsError
-from drake_twin.nodes.rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
+from drake_twin.nodes.rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from drake_twin.nodes.rclpy.client import Client, ClientHandle
 from drake_twin.nodes.rclpy.clock import Clock, Jumps, ROSClock
 from drake_twin.nodes.rclpy.context import Context, checked_arguments, default_context
@@ -20,6 +20,7 @@ from drake_twin.nodes.rclpy.names import check_name, check_namespace, check_node
 from drake_twin.nodes.rclpy.node_graph import NodeGraph
 from drake_twin.nodes.rclpy.node_parameters import NodeParameters
 from drake_twin.nodes.rclpy.parameter import Parameter
+from drake_twin.nodes.rclpy.parameter_ranges import PARAM_REL_TOL
 from drake_twin.nodes.rclpy.parameter_service import ParameterService
 from drake_twin.nodes.rclpy.publisher import Publisher, PublisherHandle
 from drake_twin.nodes.rclpy.qos_overriding_options import override_by_parameters
@@ -29,17 +30,22 @@ from drake_twin.nodes.rclpy.subscription import Subscription, SubscriptionHandle
 from drake_twin.nodes.rclpy.timer import Rate, Timer
 from drake_twin.nodes.rclpy.type_description_service import TypeDescriptionService
 from drake_twin.nodes.rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
+from drake_twin.nodes.rclpy.waitable import Waitable, Waiting
 from drake_twin.nodes.task import present_task
 from drake_twin.ros2.launched import remapped
 from drake_twin.ros2.ros_arguments import RosArguments, parameters_of
 from drake_twin.twin.event_topics import PARAMETER_EVENTS
 
 HIDDEN_NODE_PREFIX = "_"
+MsgType = TypeVar("MsgType")
+SrvType, SrvTypeRequest, SrvTypeResponse = TypeVar("SrvType"), TypeVar("SrvTypeRequest"), TypeVar("SrvTypeResponse")
 _Item = TypeVar("_Item")
 
 
 class Node(NodeParameters, NodeGraph):
     """A node of the graph that node programs and the twin share."""
+
+    PARAM_REL_TOL = PARAM_REL_TOL
 
     def __init__(
         self,
@@ -80,7 +86,9 @@ class Node(NodeParameters, NodeGraph):
         if self._publishes_log:
             publish_lines(self._logger.name)
         self._clock = ROSClock()
+        self._clock.follow_twin()
         self._jumps = Jumps(self._clock)
+        self._rate_group = ReentrantCallbackGroup()
         self._default_callback_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
         self._timers: list[Timer] = []
         self._subscriptions: list[Subscription] = []
@@ -102,7 +110,7 @@ class Node(NodeParameters, NodeGraph):
                 self._declare_quickly(name, True, read_only=read_only)
         self.add_waitable(self._jumps)
         if start_parameter_services:
-            ParameterService(self, self._graph)
+            ParameterService(self)
         if enable_logger_service:
             LoggingService(self)
         TypeDescriptionService(self)
@@ -124,7 +132,11 @@ class Node(NodeParameters, NodeGraph):
 
     @executor.setter
     def executor(self, executor: Any) -> None:
-        self._executor = executor
+        before, self._executor = self._executor, executor
+        if executor is before:
+            return
+        if before is not None:
+            before.remove_node(self)
         if executor is not None:
             executor.add_node(self)
 
@@ -281,8 +293,7 @@ class Node(NodeParameters, NodeGraph):
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
-        timer = Timer(None, self._default_callback_group, int(1e9 / frequency), clock or self._clock)
-        return Rate(timer, context=self._context)
+        return Rate(self.create_timer(1.0 / frequency, None, self._rate_group, clock), context=self._context)
 
     def create_guard_condition(self, callback: Any, callback_group: CallbackGroup | None = None) -> GuardCondition:
         guard = GuardCondition(callback, callback_group or self._default_callback_group, self._context)
@@ -291,10 +302,12 @@ class Node(NodeParameters, NodeGraph):
 
     def add_waitable(self, waitable: Any) -> None:
         self._waitables.append(waitable)
-        self._added(waitable)
+        self._added(Waiting(waitable) if isinstance(waitable, Waitable) else waitable)
 
     def remove_waitable(self, waitable: Any) -> None:
-        self._removed(waitable, self._waitables)
+        waiting = next((item for item in self.entities if getattr(item, "waitable", None) is waitable), waitable)
+        if self._removed(waitable, self._waitables) and waiting in self.entities:
+            self.entities.remove(waiting)
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
         return self._destroyed(publisher, self._publishers)
@@ -316,7 +329,7 @@ class Node(NodeParameters, NodeGraph):
 
     def destroy_rate(self, rate: Rate) -> bool:
         rate.destroy()
-        return True
+        return self.destroy_timer(rate.timer)
 
     def destroy_node(self) -> None:
         """Take back all that the node has."""
@@ -337,12 +350,6 @@ class Node(NodeParameters, NodeGraph):
         self._handle.destroy_when_not_in_use()
         if self._executor is not None:
             self._executor.remove_node(self)
-
-    def __enter__(self) -> "Node":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy_node()
 
     # -----------------------------------------------------------------------------------------------------------------
 

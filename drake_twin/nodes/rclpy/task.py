@@ -1,6 +1,8 @@
 """Stand-in for ``rclpy.task``."""
 
 import inspect
+import sys
+import warnings
 from collections.abc import Callable, Generator
 from typing import Any
 
@@ -14,11 +16,16 @@ class Future:
         self._done = self._cancelled = False
         self._result: Any = None
         self._exception: BaseException | None = None
+        self._is_fetched = False
         self._callbacks: list[Callable[[Any], Any]] = []
         self._executor = executor
 
+    def __del__(self) -> None:
+        if self._exception is not None and not self._is_fetched:
+            print(f"The following exception was never retrieved: {self._exception}", file=sys.stderr)
+
     def __await__(self) -> Generator[Any, None, Any]:
-        while not self._done and not self._cancelled:
+        while not self._done:
             yield self
         return self.result()
 
@@ -32,14 +39,16 @@ class Future:
 
     def done(self) -> bool:
         present_task()
-        return self._done or self._cancelled
+        return self._done
 
     def result(self) -> Any:
         if self._exception is not None:
+            self._is_fetched = True
             raise self._exception
         return self._result
 
     def exception(self) -> BaseException | None:
+        self._is_fetched = True
         return self._exception
 
     def set_result(self, result: Any) -> None:
@@ -47,11 +56,13 @@ class Future:
         self._finish()
 
     def set_exception(self, exception: BaseException) -> None:
-        self._exception = exception
+        self._exception, self._is_fetched = exception, False
         self._finish()
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
-        if self._done or self._cancelled:
+        if self._done and self._executor is None:
+            callback(self)
+        elif self._done:
             self._schedule(callback)
         else:
             self._callbacks.append(callback)
@@ -61,10 +72,14 @@ class Future:
         self._callbacks = [item for item in self._callbacks if item != callback]
         return len(self._callbacks) < count
 
+    def set_executor(self, executor: Any) -> None:
+        """Let an executor call back when it is done."""
+        self._executor = executor
+
     @property
     def has_ended(self) -> bool:
         """Whether it is done, without counting the call."""
-        return self._done or self._cancelled
+        return self._done
 
     def _finish(self) -> None:
         self._done, self._cancelled = True, False
@@ -77,7 +92,10 @@ class Future:
 
     def _schedule(self, callback: Callable[[Any], Any]) -> None:
         if self._executor is None:
-            callback(self)
+            try:
+                callback(self)
+            except Exception as error:  # as there may be more of them
+                warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
         else:
             self._executor.create_task(callback, self)
 
@@ -117,7 +135,6 @@ class Task(Future):
                 self.set_result(found)
         except Exception as error:
             self.set_exception(error)
-            raise
         finally:
             self._executing = False
 

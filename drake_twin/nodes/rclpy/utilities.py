@@ -8,7 +8,7 @@ from drake_twin.ros2.ros_arguments import split_ros_arguments
 
 
 def get_default_context(*, shutting_down: bool = False) -> Any:
-    return default_context()
+    return default_context(shutting_down=shutting_down)
 
 
 def remove_ros_args(args: list[str] | None = None) -> list[str]:
@@ -20,11 +20,11 @@ def ok(*, context: Any = None) -> bool:
 
 
 def shutdown(*, context: Any = None) -> None:
-    (context or default_context()).shutdown()
+    (context or default_context(shutting_down=True)).shutdown()
 
 
 def try_shutdown(*, context: Any = None) -> None:
-    (context or default_context()).try_shutdown()
+    (context or default_context(shutting_down=True)).try_shutdown()
 
 
 def get_rmw_implementation_identifier() -> str:

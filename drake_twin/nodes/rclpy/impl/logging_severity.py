@@ -1,5 +1,14 @@
 """Stand-in for ``rclpy.impl.logging_severity``."""
 
-from drake_twin.nodes.rclpy.logging import LoggingSeverity
+from enum import IntEnum
 
-__all__ = ["LoggingSeverity"]
+
+class LoggingSeverity(IntEnum):
+    """How grave a line is."""
+
+    UNSET = 0
+    DEBUG = 10
+    INFO = 20
+    WARN = 30
+    ERROR = 40
+    FATAL = 50
