@@ -57,7 +57,7 @@ def add_strict(parser: Any, consequence: str) -> None:
 
 def add_keep_going(parser: Any) -> None:
     """Add ``--keep-going``; `drake_twin.cli.lost.check_lost` reads it."""
-    what = "exit code 0 also when a robot, a part of it or a world that the files ask for could not be had"
+    what = "exit code 0 also when a robot, a part of it or a world that the files ask for is lost, or a node fails"
     parser.add_argument("--keep-going", action="store_true", help=what)
 
 
@@ -172,6 +172,8 @@ class _LogHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         text = f"{record.levelname.lower()}: {record.getMessage()}"
+        if record.exc_info:
+            text += "\n" + logging.Formatter().formatException(record.exc_info)
         say(f"\r\033[K{text}" if sys.stdout is not None and sys.stdout.isatty() else text, sys.stderr)
 
 

@@ -30,12 +30,12 @@ BASE = {
     "xacro": "xacro>=2.1",
     "xxhash": "xxhash>=3",
     "yaml": "pyyaml>=6",
-    "zenoh": "eclipse-zenoh>=1.2",
+    "zenoh": "eclipse-zenoh>=1.6.1",
 }
 OPTIONAL = {
     "coacd": "coacd>=1",
-    "cyclonedds": "cyclonedds>=0.10.5",
-    "foxglove": "foxglove-sdk>=0.20",
+    "cyclonedds": "cyclonedds>=11.0.1",
+    "foxglove": "foxglove-sdk>=0.26",
     "gymnasium": "gymnasium>=1.0",
     "jupyterlab": "jupyterlab>=4",
     "matplotlib": "matplotlib>=3.8",

@@ -18,7 +18,7 @@ from drake_twin.cli.build_line import build_line
 from drake_twin.cli.html_file import html_file
 from drake_twin.cli.launch_arguments import launch_arguments
 from drake_twin.cli.lost import check_lost
-from drake_twin.cli.node_options import start_nodes
+from drake_twin.cli.node_options import end_of_launch, start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
 from drake_twin.cli.plugins import load_plugins
@@ -89,6 +89,8 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         _draw_diagram(twin, options.graphviz)
         check_lost(twin.findings, keep_going=options.keep_going)
         return 0
+    if options.duration is None:
+        options.duration = target.end
     announce(twin, target, options)
     if target.paused and page is not None:
         twin.pause()
@@ -110,7 +112,7 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
     if failure is not None:
         raise failure
     check_lost(run.twin.findings, keep_going=options.keep_going)
-    return 1 if options.strict and texts(run.twin.findings, Kind.FAILED) else 0
+    return 1 if texts(run.twin.findings, Kind.FAILED) and not options.keep_going else 0
 
 
 def _episode(options: argparse.Namespace) -> "EpisodeAgain | None":
@@ -150,6 +152,7 @@ class _Run:
         simulated: The time simulated so far (s).
         wall_time: The duration so far (s).
         failure: The error that ended the run; the twin is in its last good state then.
+        is_shut_down: Whether the end of a node has ended it.
     """
 
     def __init__(
@@ -165,6 +168,7 @@ class _Run:
         self.twin = twin
         self.simulated = self.wall_time = 0.0
         self.failure: RunError | None = None
+        self.is_shut_down = False
         self._target = target
         self._page, self._graph = shown_on
         self._observers = observers
@@ -182,7 +186,8 @@ class _Run:
                 self.failure = error
             self.wall_time += time.perf_counter() - start
             self.simulated += self.twin.clock.simulated - begin
-            if self.failure is not None or self._stopped or self._watch is None or not self._watch.has_changed:
+            is_over = self.failure is not None or self._stopped or self.is_shut_down
+            if is_over or self._watch is None or not self._watch.has_changed:
                 return
             self.twin, self._target, self._watch = rebuilt_twin(self.twin, self._target, self._options, self._watch)
 
@@ -202,7 +207,8 @@ class _Run:
             process_requests()
             observe()
             status.show()
-            return not self._stopped and (self._watch is None or not self._watch.poll())
+            is_shut_down = nodes is not None and nodes.shutdown_reason is not None
+            return not (self._stopped or is_shut_down) and (self._watch is None or not self._watch.poll())
 
         try:
             twin.run(
@@ -216,6 +222,7 @@ class _Run:
             status.end()
             if nodes is not None:
                 nodes.close()
+                self.is_shut_down = end_of_launch(nodes)
         observe()
 
 

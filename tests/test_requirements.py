@@ -142,7 +142,7 @@ def test_what_is_missing_is_named_with_the_command_that_installs_it(monkeypatch)
     start, command, end = text.split("`")
     assert (start, end) == ("the ROS 2 graph needs eclipse-zenoh and xxhash, which are not installed: ", ".")
     interpreter, *rest = shlex.split(command)
-    assert rest == ["-m", "pip", "install", "eclipse-zenoh>=1.2", "xxhash>=3"]
+    assert rest == ["-m", "pip", "install", "eclipse-zenoh>=1.6.1", "xxhash>=3"]
     assert Path(shutil.which(interpreter)).samefile(sys.executable)
 
 

@@ -33,6 +33,7 @@ class LaunchedTwin(PlannedScenario):
 
     Attributes:
         paused: Whether the simulator starts paused, like gz without ``-r``.
+        end: The simulation time (s) at which a timer of the launch file ends it; None without one.
         only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
         log: The output of the launch file, and the assumptions made.
     """
@@ -40,6 +41,7 @@ class LaunchedTwin(PlannedScenario):
     paused: bool
     only_displayed: bool
     log: tuple[str, ...]
+    end: float | None = None
 
 
 def launch_file_scenario(
@@ -111,6 +113,7 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
         plans=tuple(plans),
         paused=launched.paused,
         only_displayed=launched.only_displayed,
+        end=launched.end,
         log=launched.log,
     )
 

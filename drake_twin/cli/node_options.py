@@ -63,7 +63,16 @@ def start_nodes(twin: "Twin", stopped: Sequence[int], *, again: bool) -> "Nodes 
     from drake_twin.services.node_programs import start_nodes
 
     nodes = start_nodes(twin, lambda: bool(stopped))
+    assert nodes is not None
+    nodes.on_shutdown = twin.pause
     if again:
         names = ", ".join(node.what for node in twin.scenario.nodes)
         say(f"nodes: what is saved has no nodes inside: {names} start again at {twin.time:.3f} s", sys.stderr)
     return nodes
+
+
+def end_of_launch(nodes: "Nodes") -> bool:
+    """Return whether the end of a node has ended the launch, and with it the run; say so."""
+    if nodes.shutdown_reason is not None:
+        say(f"shutdown: {nodes.shutdown_reason}")
+    return nodes.shutdown_reason is not None

@@ -50,6 +50,7 @@ class Target:
         snapshot: The state to continue from.
         recording: The run to replay first.
         paused: Whether the launch file starts a simulator paused.
+        end: The simulation time (s) at which a timer of the launch file ends it; None without one.
         only_displayed: Whether the launch file only displays its robots, without a simulator.
         log: The messages that the launch file logs.
     """
@@ -60,6 +61,7 @@ class Target:
     snapshot: Snapshot | None = None
     recording: Recording | None = None
     paused: bool = False
+    end: float | None = None
     only_displayed: bool = False
     log: tuple[str, ...] = ()
 
@@ -257,6 +259,7 @@ def _launched(file: Path, options: argparse.Namespace, arguments: Mapping[str, s
         launched.scenario,
         plans=launched.plans,
         paused=launched.paused,
+        end=launched.end,
         only_displayed=launched.only_displayed,
         log=launched.log,
     )

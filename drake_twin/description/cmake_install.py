@@ -30,7 +30,8 @@ def cmake_installs(package: Path, name: str, top: str = "share") -> Iterator[tup
     Args:
         package: The folder with the CMakeLists.txt.
         name: The package's name.
-        top: ``share``, or ``lib`` for the folder of the package's programs.
+        top: ``share``, ``lib`` for the folder of the package's programs, or ``python`` for its Python modules, whose
+            places are their names.
     """
     reading = _Reading(package, name, top)
     yield from reading.folder(package)
@@ -93,6 +94,8 @@ class _Reading:
                     if source in ("INSTALL_TO_PATH", "USE_SCOPED_HEADER_INSTALL_DIR"):
                         break
                     yield from _installed_folder(folder, source, "")
+            elif self._top == "python" and command.startswith("ament_python_install_"):
+                yield from _python(self._list(words), folder)
             index += 1
 
     def _define(self, command: str, words: list[str], folder: Path) -> None:
@@ -187,6 +190,15 @@ def _end_of_loop(commands: list[tuple[str, list[str]]], start: int) -> int:
         if depth == 0:
             return index
     return len(commands)
+
+
+def _python(words: list[str], folder: Path) -> Iterator[tuple[str, Path]]:
+    """Yield what ``ament_python_install_package`` or ``ament_python_install_module`` installs."""
+    if words:
+        name = Path(words[0]).stem
+        source = folder / (words[words.index("PACKAGE_DIR") + 1] if "PACKAGE_DIR" in words[:-1] else words[0])
+        if source.exists():
+            yield name, source
 
 
 def _installed_folder(folder: Path, word: str, below: str) -> Iterator[tuple[str, Path]]:

@@ -75,6 +75,14 @@ class PackageIndex:
         for folder in (*self._folders, *shares, *self.resource_folders, share_folder("models")):
             yield from packages_in(folder)
 
+    def packages_near(self, files: Iterable[Path]) -> Iterator[Path]:
+        """Yield the packages of the workspaces that some files are in, and of all folders that are searched."""
+        for file in files:
+            own = containing_package(file)
+            for workspace in [] if own is None else workspaces_of(own):
+                yield from packages_in(workspace)
+        yield from self.packages()
+
     def find(self, package: str, near: str | Path | None = None) -> Path:
         """Find the share folder of a package; that of a source package looks as if it were installed.
 

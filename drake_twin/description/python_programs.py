@@ -10,6 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from drake_twin.description.cmake_install import cmake_installs
+from drake_twin.description.python_modules import python_modules, source_of
 from drake_twin.description.setup_expressions import read_setup_cfg, read_setup_py
 from drake_twin.description.share_layout import package_name
 
@@ -38,7 +39,7 @@ def python_programs(package: Path) -> dict[str, PythonProgram]:
     Args:
         package: The folder with the package.xml, of a source or an installed package.
     """
-    package = package.resolve() if not (package / "package.xml").is_symlink() else _source_of(package)
+    package = source_of(package)
     name = package_name(package)
     found: dict[str, PythonProgram] = {}
     for executable, entry in _console_scripts(package):
@@ -71,10 +72,6 @@ def is_python(file: Path) -> bool:
     return first.startswith(b"#!") and b"python" in first
 
 
-def _source_of(package: Path) -> Path:
-    return (package / "package.xml").resolve().parent
-
-
 def _console_scripts(package: Path) -> Iterator[tuple[str, str]]:
     given = read_setup_py(package).entry_points.get("console_scripts", ())
     configured = read_setup_cfg(package).get("options.entry_points", "console_scripts", fallback="")
@@ -85,10 +82,13 @@ def _console_scripts(package: Path) -> Iterator[tuple[str, str]]:
 
 
 def _of_entry(package: Path, entry: str) -> PythonProgram | None:
-    module, _, function = entry.partition(":")
-    for folder in (package, package / "src"):
-        path = folder.joinpath(*module.strip().split("."))
+    module, _, function = (part.strip() for part in entry.partition(":"))
+    root, *inner = module.split(".")
+    place = python_modules(package).get(root)
+    tops = [place.with_suffix("")] if place is not None else []
+    for top in (*tops, package / root, package / "src" / root):
+        path = top.joinpath(*inner)
         for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
             if file.is_file():
-                return PythonProgram(file, module.strip(), function.strip(), folder)
+                return PythonProgram(file, module, function, top.parent)
     return None

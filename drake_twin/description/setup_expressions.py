@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterator, Mapping
 from configparser import Error as ConfigError
 from configparser import RawConfigParser
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,9 @@ class SetupReader:
     Attributes:
         data_files: The entries of ``data_files`` that were found.
         entry_points: The group of each entry point → its entries.
+        package_dir: The Python packages whose folders have another name → those folders; "" for all others.
+        packages: The Python packages that are named one by one.
+        py_modules: The modules outside of Python packages.
     """
 
     def __init__(self, package: Path):
@@ -63,6 +67,9 @@ class SetupReader:
         self._depth = 0
         self.data_files: list[Any] = []
         self.entry_points: dict[str, Any] = {}
+        self.package_dir: dict[str, str] = {}
+        self.packages: list[str] = []
+        self.py_modules: list[str] = []
 
     def run(self, body: list[ast.stmt]) -> Any:
         """Evaluate statements; return the value of a ``return`` among them."""
@@ -212,10 +219,8 @@ class SetupReader:
         last = name.rpartition(".")[2]
         if last == "setup":
             for keyword in sorted(node.keywords, key=lambda item: item.arg != "entry_points"):
-                if keyword.arg == "data_files":
-                    self.data_files += self._items(keyword.value)
-                elif keyword.arg == "entry_points" and isinstance(found := self._value(keyword.value), dict):
-                    self.entry_points |= found
+                with suppress(_Unknown):
+                    self._keyword(keyword)
             return None
         if isinstance(node.func, ast.Name) and name in self._functions:
             return self._own_function(self._functions[name], node)
@@ -233,6 +238,15 @@ class SetupReader:
         if isinstance(node.func, ast.Attribute):
             return self._method(self._value(node.func.value), node)
         raise _Unknown
+
+    def _keyword(self, keyword: ast.keyword) -> None:
+        """Take a keyword of ``setup()``."""
+        if keyword.arg == "data_files":
+            self.data_files += self._items(keyword.value)
+        elif keyword.arg in ("packages", "py_modules"):
+            getattr(self, keyword.arg).extend(item for item in self._items(keyword.value) if isinstance(item, str))
+        elif keyword.arg in ("entry_points", "package_dir") and isinstance(found := self._value(keyword.value), dict):
+            getattr(self, keyword.arg).update(found)
 
     def _method(self, of: Any, node: ast.Call) -> Any:
         assert isinstance(node.func, ast.Attribute)

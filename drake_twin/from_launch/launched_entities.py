@@ -11,14 +11,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
-from drake_twin.findings import Cause, Finding, Kind, Place, Weight, at_places
+from drake_twin.findings import Cause, Finding, Kind, Place, Weight
 from drake_twin.from_launch.bridges import BridgeLine, bridge_lines, is_bridge, renamed, stamped
 from drake_twin.from_launch.controller_managers import requests_by_robot
 from drake_twin.from_launch.launched_controllers import (
@@ -31,19 +28,33 @@ from drake_twin.from_launch.launched_controllers import (
     controller_requests,
     published_commands,
 )
-from drake_twin.from_launch.launched_nodes import launched_node, needs_terminal, publishes_simulated_states, spawns
+from drake_twin.from_launch.launched_nodes import (
+    followers,
+    launched_node,
+    needs_terminal,
+    publishes_simulated_states,
+    spawns,
+)
 from drake_twin.from_launch.launched_robots import (
     LaunchedRobot,
     LaunchedRobots,
+    command_line_file,
     is_spawner,
     is_state_publisher,
     parameter_file,
 )
 from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world, world_start
-from drake_twin.from_launch.not_started import is_window, misspelt_package, why_not_started
+from drake_twin.from_launch.not_started import is_window, misspelt_package, never_happened, why_not_started
 from drake_twin.from_launch.published_frames import frame_prefix, publish_frequency
 from drake_twin.from_launch.static_frames import static_frame
-from drake_twin.ros2.launched import Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
+from drake_twin.ros2.launched import (
+    Launched,
+    LaunchedProcess,
+    ParameterText,
+    UnfiredHandler,
+    WorldStart,
+    absolute_name,
+)
 from drake_twin.scenario import Command, NodeProgram, Robot, StaticTransform, World, name_in_twin
 
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
@@ -91,6 +102,7 @@ class LaunchedEntities:
         packages: Resolves the packages in its files.
         folders: The folders of these packages.
         paused: Whether the simulator starts paused, like gz without ``-r``.
+        end: The simulation time (s) at which a timer of the launch file ends it; None without one.
         only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
         bridges: The topics that bridges carry; None where no bridge is started.
         nodes: The users' own Python nodes.
@@ -110,6 +122,7 @@ class LaunchedEntities:
     bridges: tuple[BridgeLine, ...] | None = None
     sensing: tuple[WorldModel, ...] = ()
     nodes: tuple[NodeProgram, ...] = ()
+    end: float | None = None
     findings: tuple[Finding, ...] = ()
     log: tuple[str, ...] = field(default=())
 
@@ -142,6 +155,7 @@ class _Sorter:
         self._commands: list[Command] = []
         self._frames: list[LaunchedFrame] = []
         self._nodes: list[NodeProgram] = []
+        self._happens: set[UnfiredHandler] = set()  # when a node has ended
         self._bridges: tuple[BridgeLine, ...] | None = None
         self._worlds: list[tuple[WorldStart, LaunchedProcess]] = []
 
@@ -155,7 +169,7 @@ class _Sorter:
             world = LaunchedWorld(World(gravity=(0.0, 0.0, 0.0), ground=False))
         self._findings += found.findings
         self._log += found.warnings
-        self._findings += _never_happened(self._launched, self._file)
+        self._findings += never_happened(self._launched, self._file, self._happens)
         if not (found.robots or any(spawns(node, self._packages, self._file) for node in self._nodes)):
             raise self._no_robot()
         robots = tuple(self._robots(found))
@@ -172,6 +186,7 @@ class _Sorter:
             only_displayed=found.only_displayed,
             bridges=self._bridges,
             nodes=tuple(self._nodes),
+            end=self._launched.shutdown_time or None,
             findings=tuple(self._findings),
             log=tuple(self._log),
         )
@@ -206,7 +221,9 @@ class _Sorter:
             ):
                 is_needed = not (publishes_simulated_states(process, found.robots) or needs_terminal(process))
                 if is_needed and (node := launched_node(process, self._packages, self._findings)) is not None:
-                    self._nodes.append(node)
+                    more = (self._packages, self._findings, self._happens)
+                    following = followers(process.key, self._launched.endings, *more)
+                    self._nodes.append(replace(node, on_exit=following))
                     return
                 self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)
         except InputError as error:
@@ -280,7 +297,7 @@ class _Sorter:
             error = check_parameter_files(request)
             if error is None:
                 given += [self._filled_in(Path(file), request.name) for file in request.parameter_files]
-                given += _command_line_file(request)
+                given += command_line_file(request)
             else:
                 self._drop(f"controller {request.name}: {error}", request.process)
         if not given:
@@ -366,29 +383,3 @@ def _folders_of(file: Path, processes: Iterable[LaunchedProcess]) -> Iterable[st
             for folder in (process.environment.get(variable) or "").split(os.pathsep):
                 if folder and Path(folder).is_dir():
                     yield os.path.abspath(folder)
-
-
-def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:
-    for include in launched.failed_includes:
-        yield Finding.at(Kind.NOT_STARTED, f"include {include.what} ({include.reason})", include.place)
-    for handler in launched.unfired_handlers:
-        yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
-    yield from at_places(Kind.REFUSED_BY_ROS, ((item.what, item.place) for item in launched.refused_by_ros))
-    for name, close in launched.undeclared_arguments.items():
-        hint = f". Did you mean {close!r}?" if close else ""
-        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it){hint}", Place(str(file)))
-    yield from at_places(Kind.IGNORED, ((item.what, item.place) for item in launched.lost_arguments))
-
-
-def _command_line_file(request: ControllerRequest) -> list[str]:
-    """Return a file with the parameters that a spawner's command line gives; none if it gives none."""
-    parameters = dict(request.parameters)
-    kind = parameters.pop("type", None)
-    entries: dict[str, Any] = {}
-    if kind is not None:
-        entries["controller_manager"] = {"ros__parameters": {request.name: {"type": kind}}}
-    if parameters:
-        plain = {name: list(value) if isinstance(value, tuple) else value for name, value in parameters.items()}
-        entries[request.name] = {"ros__parameters": plain}
-    text = yaml.safe_dump(entries)
-    return [parameter_file(ParameterText(Path(f"{request.name}.yaml"), text))] if entries else []

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from drake_twin.description.built_in_programs import built_in_programs
@@ -9,9 +10,19 @@ from drake_twin.description.package_index import MissingPackageError, PackageInd
 from drake_twin.description.python_programs import is_python, python_programs
 from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.launched_robots import LaunchedRobot, parameter_file
-from drake_twin.ros2.launched import NODE, PROCESS, LaunchedProcess, ParameterText, absolute_name
+from drake_twin.ros2.launched import (
+    COMPONENT,
+    NODE,
+    PROCESS,
+    Ending,
+    LaunchedProcess,
+    ParameterText,
+    UnfiredHandler,
+    absolute_name,
+)
 from drake_twin.ros2.ros_arguments import OWN_NODE, ros_arguments
 from drake_twin.scenario import NodeProgram
+from drake_twin.scenario.node_program import OnExit, Respawn
 
 # The type of the service, in gazebo_msgs, ros_gz_interfaces and simulation_interfaces.
 _SPAWN_SERVICE = b"SpawnEntity"
@@ -19,7 +30,6 @@ _SPAWN_SERVICE = b"SpawnEntity"
 _NOT_DONE = {
     "cwd": "a node starts in the working folder of the run",
     "prefix": "a node runs in the twin's process, where no other command can start it",
-    "respawn": "a node is started once",
 }
 
 
@@ -40,11 +50,12 @@ def launched_node(process: LaunchedProcess, packages: PackageIndex, findings: li
 
 
 def _node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | None:
-    if process.kind != NODE or process.package is None:
+    if process.kind not in (NODE, COMPONENT) or process.package is None:
         return None
     known = built_in_programs(process.package)
-    with suppress(MissingPackageError):
-        known |= python_programs(packages.find(process.package, process.place.file))
+    if process.kind == NODE:
+        with suppress(MissingPackageError):
+            known |= python_programs(packages.find(process.package, process.place.file))
     if process.executable not in known:
         return None
     namespace = "" if process.namespace == "/" else process.namespace
@@ -61,7 +72,44 @@ def _node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | Non
         arguments=(*process.arguments, *ros_arguments(process.name or "", namespace, process.remappings, parameters)),
         environment={name: value for name, value in process.environment.items() if value is not None},
         time=process.start_time,
+        respawn=_respawn(process),
     )
+
+
+def _respawn(process: LaunchedProcess) -> Respawn | None:
+    return None if process.respawn is None else Respawn(*process.respawn)
+
+
+def followers(
+    key: int,
+    endings: Iterable[Ending],
+    packages: PackageIndex,
+    findings: list[Finding],
+    happens: set[UnfiredHandler],
+) -> tuple[OnExit, ...]:
+    """Return what follows when a node program has ended.
+
+    Args:
+        key: Its process.
+        endings: What follows when processes end.
+        packages: Where packages are searched.
+        findings: Gets what would start then and is not a node program.
+        happens: Gets the event handlers whose event comes.
+    """
+    return tuple(_follower(ending, packages, findings, happens) for ending in endings if ending.key == key)
+
+
+def _follower(ending: Ending, packages: PackageIndex, findings: list[Finding], happens: set[UnfiredHandler]) -> OnExit:
+    nodes = []
+    happens.update(ending.handlers)
+    for process in ending.processes:
+        node = launched_node(process, packages, findings)
+        if node is not None:
+            nodes.append(replace(node, on_exit=followers(process.key, ending.endings, packages, findings, happens)))
+            continue
+        common = " (it waits for the end of a node, and then only Python nodes can start)"
+        findings.append(Finding.at(Kind.NOT_STARTED, process.what + common, process.place, common=common))
+    return OnExit(ending.code, tuple(nodes), ending.log, ending.shutdown)
 
 
 def spawns(node: NodeProgram, packages: PackageIndex, file: Path) -> bool:
@@ -107,4 +155,4 @@ def _script(process: LaunchedProcess) -> NodeProgram | None:
         or "rclpy" not in file.read_text(encoding="utf-8", errors="replace")
     ):
         return None
-    return NodeProgram(str(file), arguments=tuple(words[1:]), time=process.start_time)
+    return NodeProgram(str(file), arguments=tuple(words[1:]), time=process.start_time, respawn=_respawn(process))

@@ -6,6 +6,8 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from drake_twin.description.gazebo_plugins import is_ros2_control, read_plugins
 from drake_twin.description.included_model import included_model
 from drake_twin.description.lasting_files import lasting_file
@@ -16,6 +18,7 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.from_launch.command_line import CommandLine, command_line
+from drake_twin.from_launch.launched_controllers import ControllerRequest
 from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.from_launch.spawned_file import spawned_file
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
@@ -373,3 +376,17 @@ def _read(model: str, text: str, path: Path) -> _Source:
 def _element(plugin: GazeboPlugin, *names: str) -> str:
     """Return the text of the first of a plugin's elements that exists; empty without one."""
     return next((plugin.elements[name][0] for name in names if plugin.elements.get(name, ("",))[0]), "")
+
+
+def command_line_file(request: ControllerRequest) -> list[str]:
+    """Return a file with the parameters that a spawner's command line gives; none if it gives none."""
+    parameters = dict(request.parameters)
+    kind = parameters.pop("type", None)
+    entries: dict[str, Any] = {}
+    if kind is not None:
+        entries["controller_manager"] = {"ros__parameters": {request.name: {"type": kind}}}
+    if parameters:
+        plain = {name: list(value) if isinstance(value, tuple) else value for name, value in parameters.items()}
+        entries[request.name] = {"ros__parameters": plain}
+    text = yaml.safe_dump(entries)
+    return [parameter_file(ParameterText(Path(f"{request.name}.yaml"), text))] if entries else []

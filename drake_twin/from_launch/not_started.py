@@ -1,9 +1,12 @@
 """The reasons why nodes of a launch file are not started."""
 
 import re
+from collections.abc import Collection, Iterator
 from difflib import get_close_matches
+from pathlib import Path
 
-from drake_twin.ros2.launched import LaunchedProcess
+from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.ros2.launched import Launched, LaunchedProcess, UnfiredHandler
 
 # A word of "package/executable" → the reason; the first match applies.
 _WINDOWS = {
@@ -15,14 +18,28 @@ _WINDOWS = {
 _REASONS = {
     "joint_state_publisher": "joint states come from the simulation",
     "teleop": "publish commands with --pub or on the page",
-    "joy": "it reads a device",
-    **dict.fromkeys(("nav2", "amcl", "map_server"), "navigation is not a part of the twin"),
-    **dict.fromkeys(("slam", "cartographer", "rtabmap"), "mapping is not a part of the twin"),
-    **dict.fromkeys(("moveit", "move_group"), "motion planning is not a part of the twin"),
-    **dict.fromkeys(("robot_localization", "ekf"), "localization is not a part of the twin"),
-    **dict.fromkeys(("image", "depth"), "processing pictures is not a part of the twin"),
-    "laser": "processing scans is not a part of the twin",
-    "pointcloud": "processing points is not a part of the twin",
+    "joy": "it reads a device: /joy will be missing; publish it by a node, for teleop_twist_joy",
+    "amcl": "navigation is not a part of the twin: the transform from map to odom will be missing",
+    "map_server": "navigation is not a part of the twin: /map will be missing",
+    "nav2": "navigation is not a part of the twin: goals will not be planned or followed",
+    **dict.fromkeys(
+        ("slam", "cartographer", "rtabmap"),
+        "mapping is not a part of the twin: /map and the transform from map to odom will be missing",
+    ),
+    **dict.fromkeys(
+        ("moveit", "move_group"), "motion planning is not a part of the twin: /move_action and plans will be missing"
+    ),
+    "navsat": "localization is not a part of the twin: odometry/gps will be missing",
+    **dict.fromkeys(
+        ("robot_localization", "ekf", "ukf"),
+        "localization is not a part of the twin but for robot_localization/ekf_node: its odometry and transform will be"
+        " missing",
+    ),
+    **dict.fromkeys(
+        ("image", "depth"), "processing pictures is not a part of the twin: what it publishes will be missing"
+    ),
+    "laser": "processing scans is not a part of the twin: what it publishes will be missing",
+    "pointcloud": "processing points is not a part of the twin: what it publishes will be missing",
     "rosbag": "the twin records with --record",
 }
 _NO_PYTHON = "it is not a Python program of the workspace: publish its messages by --pub, or run a node by --node"
@@ -38,6 +55,11 @@ _EXECUTABLES = {
     "joint_state_publisher": {"joint_state_publisher": "joint states come from the simulation"},
     "teleop_twist_keyboard": {
         "teleop_twist_keyboard": "it needs a terminal: --node 'teleop_twist_keyboard teleop_twist_keyboard'"
+    },
+    "rclcpp_components": {
+        "component_container": "its components are looked at one by one",
+        "component_container_mt": "its components are looked at one by one",
+        "component_container_isolated": "its components are looked at one by one",
     },
     "tf2_ros": {"static_transform_publisher": "", "buffer_server": "", "tf2_echo": "", "tf2_monitor": ""},
     "xacro": {"xacro": ""},
@@ -70,6 +92,25 @@ def why_not_started(process: LaunchedProcess) -> str:
     if reason is None and process.package is None:
         reason = "of programs, the twin starts only Python nodes"
     return f"{what} ({reason or _NO_PYTHON})"
+
+
+def never_happened(launched: Launched, file: Path, happens: Collection[UnfiredHandler]) -> Iterator[Finding]:
+    """Yield findings of what a launch file has and nothing comes of.
+
+    Args:
+        launched: The result of its evaluation.
+        file: The launch file.
+        happens: The handlers whose event comes when a node has ended.
+    """
+    for include in launched.failed_includes:
+        yield Finding.at(Kind.NOT_STARTED, f"include {include.what} ({include.reason})", include.place)
+    for handler in (item for item in launched.unfired_handlers if item not in happens):
+        yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
+    yield from at_places(Kind.REFUSED_BY_ROS, ((item.what, item.place) for item in launched.refused_by_ros))
+    for name, close in launched.undeclared_arguments.items():
+        hint = f". Did you mean {close!r}?" if close else ""
+        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it){hint}", Place(str(file)))
+    yield from at_places(Kind.IGNORED, ((item.what, item.place) for item in launched.lost_arguments))
 
 
 def _reason(reasons: dict[str, str], what: str) -> str | None:

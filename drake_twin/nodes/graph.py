@@ -26,6 +26,7 @@ from drake_twin.twin.twin import Twin
 _log = logging.getLogger(__name__)
 _CONTINUE = 10_000_000  # ns of simulation time between two looks at a service's answer that takes longer
 _MOST_LINES = 1000
+_FRAMES, _TRANSFORMS = ("/tf", "/tf_static"), "tf2_msgs/msg/TFMessage"
 _NUMBERS = "std_msgs/msg/Float64MultiArray"  # of which controllers read the numbers only
 
 
@@ -150,6 +151,9 @@ class Graph:
         if not self.is_open:
             return
         topic, item = publication.topic, publication.command
+        if topic in _FRAMES and publication.type == _TRANSFORMS:
+            placed = {transform.child_frame_id.removeprefix("/") for transform in message.transforms}
+            self.twin.diagram.GetSubsystemByName("tf").placed_by_others |= placed
         if item is not None:
             try:
                 self.twin.publish(topic, message.data.tolist() if item.type == _NUMBERS else to_wire(message))

@@ -8,13 +8,16 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 
+from drake_twin.description.python_modules import module_spec, python_modules
 from drake_twin.nodes.program import Program
+from drake_twin.nodes.stand_ins import YIELDING
 from drake_twin.nodes.task import here
+from drake_twin.nodes.windows import opencv_spec, replace_windows
 
 Source = Callable[[str], ModuleType | None]  # a module's full name → the module
 
@@ -25,12 +28,21 @@ class NodeFinder(importlib.abc.MetaPathFinder):
     Args:
         sources: Return the modules that stand in for ROS's.
         folder_of: Returns the folder of a ROS package; None without one.
+        packages: Returns the folders of all packages of the workspace.
     """
 
-    def __init__(self, sources: Sequence[Source], folder_of: Callable[[str], Path | None]):
+    def __init__(
+        self,
+        sources: Sequence[Source],
+        folder_of: Callable[[str], Path | None],
+        packages: Callable[[], Iterable[Path]] = tuple,
+    ):
         self._sources = sources
         self._folder_of = folder_of
+        self._packages = packages
         self._is_busy = False
+        if "cv2" in sys.modules:
+            replace_windows(sys.modules["cv2"])
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -49,8 +61,10 @@ class NodeFinder(importlib.abc.MetaPathFinder):
     def _find(
         self, program: Program, fullname: str, root: str, dot: str, path: Sequence[str] | None
     ) -> ModuleSpec | None:
-        spec = None
-        for source in self._sources:
+        if (spec := opencv_spec(fullname)) is not None:
+            return spec
+        own = root in YIELDING and (folder := self._folder_of(root)) is not None and root in python_modules(folder)
+        for source in () if own else self._sources:
             if (module := source(fullname)) is not None:
                 program.lent.add(fullname)  # until the baton is given back
                 return ModuleSpec(fullname, _Given(module), is_package=hasattr(module, "__path__"))
@@ -63,11 +77,11 @@ class NodeFinder(importlib.abc.MetaPathFinder):
         return spec
 
     def _in_workspace(self, name: str) -> ModuleSpec | None:
-        """Return the Python package that a ROS package of this name installs."""
+        """Return the Python module that a ROS package installs: the one of this name, or else any."""
         folder = self._folder_of(name)
-        if folder is None or not (folder / name).is_dir():
-            return None
-        return PathFinder.find_spec(name, [str(folder)])
+        if folder is not None and (spec := module_spec(name, [folder])) is not None:
+            return spec
+        return None if PathFinder.find_spec(name) is not None else module_spec(name, self._packages())
 
 
 class _Given(importlib.abc.Loader):

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from drake_twin.description.python_modules import python_modules
 from drake_twin.errors import InputError
 from drake_twin.messages import interface_types, store
 from drake_twin.nodes.interface_files import KINDS, InterfaceFiles
@@ -82,7 +83,7 @@ class Interfaces:
         if name not in self._own and (
             PathFinder.find_spec(name) is not None
             or (folder := self._folder_of(name)) is None
-            or (folder / name).is_dir()
+            or name in python_modules(folder)
             or not any(self._files.names(name, kind) for kind in KINDS)
         ):
             return None

@@ -4,7 +4,9 @@ import logging
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cache
+from itertools import count
 from math import inf
 from pathlib import Path
 
@@ -18,16 +20,19 @@ from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.imports import NodeFinder
 from drake_twin.nodes.interfaces import Interfaces
+from drake_twin.nodes.memory import most_memory
 from drake_twin.nodes.package_folders import PackageFolders
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.stand_ins import stand_in
 from drake_twin.nodes.task import Task
 from drake_twin.nodes.turns import Turns
 from drake_twin.scenario import NodeProgram
+from drake_twin.scenario.node_program import with_later_ones
 from drake_twin.twin.endpoints import ServiceEndpoint
 from drake_twin.twin.twin import Twin
 
 _log = logging.getLogger(__name__)
+_SHORTEST_RESPAWN = 0.1  # s of simulation time, about as long as a process takes to start
 
 
 class Nodes:
@@ -39,11 +44,14 @@ class Nodes:
         services: Returns the services of a twin with its present robots.
         is_stopped: Whether the run is to end, so that no program is waited for.
         patience: The processor's time (s) that a program may use in one turn.
+        memory: How much memory a program may take (bytes); `most_memory` by default.
 
     Attributes:
         graph: What the programs share with the twin.
         actions: Their actions.
         programs: The programs.
+        shutdown_reason: The reason for which a program's end ends all of them; None until then.
+        on_shutdown: Is called then.
 
     Raises:
         InputError: If a program does not exist.
@@ -56,22 +64,30 @@ class Nodes:
         services: Callable[[Twin], Iterable[ServiceEndpoint]] = lambda twin: (),
         is_stopped: Callable[[], bool] = lambda: False,
         patience: float = 20.0,
+        memory: float | None = None,
     ):
         programs = twin.scenario.nodes if programs is None else programs
         packages = PackageIndex(twin.scenario.package_paths)
-        found = [find_program(program, packages) for program in programs]
+        found = [find_program(program, packages).file for program in with_later_ones(programs)]
         self._twin = twin
-        self._waiting = list(zip(programs, found, range(len(found)), strict=True))
-        self._turns = Turns(self, patience, is_stopped)
+        self._packages = packages
+        self._waiting = [_Start(round(item.time * 1e9), item, place) for place, item in enumerate(programs)]
+        self._places = count(len(programs))
+        self.shutdown_reason: str | None = None
+        self.on_shutdown: Callable[[], None] = lambda: None
+        self._turns = Turns(self, patience, most_memory() if memory is None else memory, is_stopped)
         self._turns.outsider, self._turns.newcomer = self._use_inbox, self._look_soon
         self._uses_inbox = False
         self._turns.set_time(twin.time, twin.clock.time_step)
-        self._folder_of = _folder_of(packages, [each.file for each in found])
+        self._folder_of = _folder_of(packages, found)
         sources = (stand_in, Interfaces(self._folder_of).source, PackageFolders(self._folder_of).source)
-        self._finder = NodeFinder(sources, self._folder_of)
+        near = found
+        self._finder = NodeFinder(sources, self._folder_of, lambda: packages.packages_near(near))
         self._is_open = False
         self.programs: list[Program] = []
+        self._starts: dict[Program, _Start] = {}
         self._blocked: set[tuple[int, str]] = set()
+        self._failed: set[tuple[int, str]] = set()
         self.graph = Graph(twin, self._turns, services)
         self.actions = ActionGraph(self.graph)
         self.graph.changed = self._look_again
@@ -115,7 +131,7 @@ class Nodes:
         self._start_due()
         self.graph.follow()
         self.graph.deliver(everything=is_paused)
-        due = turns.run()
+        due = min((turns.run(), *(start.time for start in self._waiting)))
         if due < inf:
             twin.alarm.hasten(due * 1e-9)
 
@@ -124,17 +140,17 @@ class Nodes:
         self._twin.alarm.hasten(self._turns.after * 1e-9)
 
     def _start_due(self) -> None:
-        while self._waiting and any(item.time * 1e9 <= self._turns.limit for item, _, _ in self._waiting):
-            index = next(i for i, (item, _, _) in enumerate(self._waiting) if item.time * 1e9 <= self._turns.limit)
-            item, found, place = self._waiting.pop(index)
-            program = Program(place, item.what, found, item.arguments, item.environment, self._turns, self)
+        for start in [item for item in self._waiting if item.time <= self._turns.limit]:
+            self._waiting.remove(start)
+            found = find_program(start.item, self._packages)
+            item = start.item
+            program = Program(start.place, item.what, found, item.arguments, item.environment, self._turns, self)
             program.rclpy |= {"graph": self.graph, "actions": self.actions}
-            for name, module in simulated_time.own_modules(self._twin.scenario.seed + place).items():
+            for name, module in simulated_time.own_modules(self._twin.scenario.seed + start.place).items():
                 program.set_module(name, module)
             self.programs.append(program)
+            self._starts[program] = start
             program.start()
-        for item, _, _ in self._waiting:
-            self._twin.alarm.hasten(item.time)
 
     def _while_paused(self) -> None:
         """Let answers arrive while time stands still, such as that to who has paused it."""
@@ -151,6 +167,7 @@ class Nodes:
         for task in self._turns.tasks:
             task.shift(by)
         self.graph.shift(by)
+        self._waiting = [replace(item, time=item.time + by) if item.follows else item for item in self._waiting]
         for program in self.programs:
             for jumped in program.jumped:
                 jumped(by)
@@ -172,9 +189,15 @@ class Nodes:
 
     # What becomes of programs ----------------------------------------------------------------------------------------
 
-    def failed(self, program: Program, why: str) -> None:
-        """Take note of a program that has failed."""
-        self._find(Kind.FAILED, f"node {program.what}: {why}")
+    def failed(self, program: Program, why: str, error: BaseException | None = None) -> None:
+        """Take note of a program that has failed, and of the error that has ended it."""
+        finding = Finding(Kind.FAILED, f"node {program.what}: {why}")
+        if (program.index, why) in self._failed:  # it was started again
+            _log.error("%s, again", finding)
+            return
+        self._failed.add((program.index, why))
+        self._twin.more_findings.append(finding)
+        _log.error("%s", finding, exc_info=error)
 
     def ignored(self, program: Program, what: str) -> None:
         """Take note of something that a program asks of ROS and the twin does not do."""
@@ -189,25 +212,61 @@ class Nodes:
             if hasattr(item, "put_goal"):
                 self.actions.withdraw(item)
         self.graph.forget(program)
+        if self._is_open and self.shutdown_reason is None:
+            self._follow(program, self._starts.pop(program))
+
+    def _follow(self, program: Program, start: "_Start") -> None:
+        """Do what follows a program's end: first what the launch file says, then it may start again."""
+        code = min(1, abs(program.exit_code))
+        for following in (each for each in start.item.on_exit if each.exit_code in (None, code)):
+            for line in following.log:
+                print(f"[INFO] [launch.user]: {line}")
+            for node in following.nodes:
+                due = max(self._turns.after, self._turns.now + round(node.time * 1e9))
+                self._waiting.append(_Start(due, node, next(self._places), follows=True))
+            if following.shutdown is not None:
+                self.shutdown_reason = following.shutdown
+                self._waiting.clear()
+                self.on_shutdown()
+                self._twin.alarm.requests.append(self.close)
+                return
+        respawn = start.item.respawn
+        if respawn is not None and start.retries != respawn.max_retries:
+            due = self._turns.now + round(max(respawn.delay, _SHORTEST_RESPAWN) * 1e9)
+            self._waiting.append(replace(start, time=due, retries=start.retries + 1, follows=True))
 
     def blocked(self, task: Task) -> None:
         """Take note of a thread that waits for something outside, while the simulation continues."""
-        place = _where(task)
+        place = _place(task)
         if (task.program.index, place) not in self._blocked:
             self._blocked.add((task.program.index, place))
+            where = f" ({place})" if place else ""
             _log.warning(
-                "node %s waits for something outside of the simulation, which continues%s", task.program.what, place
+                "node %s waits for something outside of the simulation, which continues%s", task.program.what, where
             )
 
-    def abandoned(self, task: Task, seconds: float) -> None:
-        """Take note of a thread that has not given the baton back for some wall time."""
-        what = f"it has computed for {seconds:.0f} s without a spin or a sleep, and is ended{_where(task)}"
-        self._find(Kind.FAILED, f"node {task.program.what}: {what}")
+    def exceeded(self, task: Task, what: str) -> None:
+        """Take note of a thread whose program takes too much, and has to end."""
+        task.program.stop(what, _place(task))
 
-    def _find(self, kind: Kind, what: str) -> None:
-        finding = Finding(kind, what)
-        self._twin.more_findings.append(finding)
-        _log.error("%s", finding)
+
+@dataclass(frozen=True)
+class _Start:
+    """A start of a program that is to come.
+
+    Attributes:
+        time: The simulation time (ns).
+        item: The program.
+        place: Its place in the order of turns.
+        retries: How often it was started again.
+        follows: Whether it follows an end, so that a jump of time moves it.
+    """
+
+    time: int
+    item: NodeProgram
+    place: int
+    retries: int = 0
+    follows: bool = False
 
 
 def find_program(node: NodeProgram, packages: PackageIndex) -> PythonProgram:
@@ -247,7 +306,8 @@ def _folder_of(packages: PackageIndex, files: Sequence[Path]) -> Callable[[str],
     return folder_of
 
 
-def _where(task: Task) -> str:
+def _place(task: Task) -> str:
+    """Return the file and line of a program's own code that a thread runs; empty without one."""
     frame = None if task.thread is None else sys._current_frames().get(task.thread.ident or 0)
-    place = task.program.place(frame)
-    return f" ({place})" if place else ""
+    place: str = task.program.place(frame)
+    return place

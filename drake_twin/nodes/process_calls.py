@@ -3,9 +3,11 @@
 import atexit
 import os
 import signal
+import threading
 from collections.abc import Callable
 from typing import Any
 
+from drake_twin.nodes import child_processes
 from drake_twin.nodes.task import Abandoned, Task, forget_tasks, here
 
 _HARMLESS = frozenset((signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH))
@@ -42,6 +44,11 @@ def _handler_of(program: Any, number: int) -> Any:
     return program.handlers.get(int(number), default)
 
 
+def _set_wakeup(task: Task, real: Callable[..., Any], descriptor: int, **options: Any) -> int:
+    before, task.program.wakeup = task.program.wakeup, descriptor
+    return int(before)
+
+
 def _alarm(task: Task, real: Callable[..., Any], *arguments: Any) -> Any:
     if any(arguments):
         raise OSError("a node cannot set an alarm, which would be the twin's")
@@ -62,7 +69,7 @@ def _signal_itself(task: Task, real: Callable[..., Any], number: int) -> None:
         if handler is signal.default_int_handler and task is not task.program.main:
             task.program.main.end(KeyboardInterrupt)
         else:
-            handler(number, None)
+            task.program.handle(handler, number, None)
     elif handler != signal.SIG_IGN and number not in _HARMLESS:
         _exit(task, real, 128 + number)
 
@@ -71,6 +78,11 @@ def _exit(task: Task, real: Callable[..., Any], code: int) -> None:
     """End the program of the present thread."""
     task.program.exit(code)
     raise Abandoned
+
+
+def _main_thread(task: Task, real: Callable[..., Any]) -> Any:
+    """The thread that the program began with: ``asyncio`` makes a loop for it alone, and looks after signals there."""
+    return task.program.main.thread
 
 
 def _register(
@@ -98,6 +110,7 @@ def _change_folder(task: Task, real: Callable[..., Any], path: Any) -> None:
 REPLACEMENTS: tuple[tuple[Any, str, Callable[..., Any]], ...] = (
     (signal, "signal", _set_signal),
     (signal, "getsignal", _get_signal),
+    (signal, "set_wakeup_fd", _set_wakeup),
     (signal, "alarm", _alarm),
     (signal, "setitimer", _alarm),
     (signal, "raise_signal", _signal_itself),
@@ -106,6 +119,8 @@ REPLACEMENTS: tuple[tuple[Any, str, Callable[..., Any]], ...] = (
     (os, "chdir", _change_folder),
     (atexit, "register", _register),
     (atexit, "unregister", _unregister),
+    (threading, "main_thread", _main_thread),
+    *child_processes.REPLACEMENTS,
 )
 
 
@@ -117,7 +132,10 @@ def follow_forks(restore: Callable[[], None]) -> None:
     """
 
     def begin_child() -> None:
+        task = here()
         forget_tasks()
         restore()
+        if task is not None:
+            task.program.children.limit_forks()
 
     os.register_at_fork(after_in_child=begin_child)

@@ -1,22 +1,22 @@
 """A node program: a script or a console script, with a view of the process of its own."""
 
-import logging
 import os
 import signal
 import sys
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from types import CodeType, FrameType, ModuleType
+from types import CodeType, FrameType, ModuleType, TracebackType
 from typing import Any, Protocol
 
 from drake_twin.description.python_programs import PythonProgram
+from drake_twin.nodes.child_processes import ChildProcesses
 from drake_twin.nodes.stand_ins import ROOTS
 from drake_twin.nodes.task import Abandoned, Task, here
 from drake_twin.nodes.turns import Turns
 
-_log = logging.getLogger(__name__)
 _OF_ROS = {"ROS_VERSION": "2", "ROS_PYTHON_VERSION": "3", "ROS_DISTRO": "jazzy"}
 _OWN = str(Path(__file__).parent) + os.sep
 
@@ -24,8 +24,8 @@ _OWN = str(Path(__file__).parent) + os.sep
 class Teller(Protocol):
     """Is told how a program ends."""
 
-    def failed(self, program: "Program", why: str) -> None:
-        """Take note of a program that has failed."""
+    def failed(self, program: "Program", why: str, error: BaseException | None = None) -> None:
+        """Take note of a program that has failed, and of the error that has ended it."""
 
     def ignored(self, program: "Program", what: str) -> None:
         """Take note of something that a program asks of ROS and the twin does not do."""
@@ -63,7 +63,12 @@ class Program:
         jumped: Functions to call when time has jumped, with how far (ns).
         belongings: What it has on the graph.
         handlers: Its handlers of signals.
+        wakeup: The file descriptor that gets the numbers of signals; -1 without one.
         at_exit: Functions that it calls at its end, with their arguments and options.
+        children: The processes that it has started.
+        turns: How many turns it has had.
+        memory: How much memory it has taken (bytes).
+        exit_code: What it has ended with, as a process of its own would.
         folder: Its working folder; empty for that of the process.
         outer_folder: The working folder of the process.
     """
@@ -95,7 +100,10 @@ class Program:
         self.jumped: list[Callable[[int], None]] = []
         self.belongings: list[Any] = []
         self.handlers: dict[int, Any] = {}
+        self.wakeup = -1
         self.at_exit: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]] = []
+        self.children = ChildProcesses()
+        self.turns = self.memory = self.exit_code = 0
         self.folder = self.outer_folder = ""
         self._outer: tuple[Any, ...] = ()
         self._hidden: dict[str, ModuleType] = {}
@@ -124,11 +132,13 @@ class Program:
             pass
         except SystemExit as end:
             if end.code not in (None, 0):
+                self.exit_code = end.code if isinstance(end.code, int) else 1
                 self._teller.failed(self, f"it has ended with exit code {end.code}{self._at(end)}")
         except BaseException as error:
-            _log.debug("node %s", self.what, exc_info=error)
+            self.exit_code = 1
             reason = " ".join(str(error).split())
-            self._teller.failed(self, f"{type(error).__name__}: {reason}{self._at(error)}")
+            why = f"{type(error).__name__}: {reason}{self._at(error)}"
+            self._teller.failed(self, why, error.with_traceback(self._own_traceback(error)))
         if process != os.getpid():  # it has forked, and this is the child
             sys.stdout.flush()
             os._exit(0)
@@ -145,10 +155,26 @@ class Program:
 
     def exit(self, code: int) -> None:
         """End its other threads, and do nothing at its end."""
-        self.at_exit.clear()
+        self.exit_code = code
         if code:
             place = self.place(sys._getframe())
             self._teller.failed(self, f"it has ended with exit code {code}" + (f" ({place})" if place else ""))
+        self._end_others()
+
+    def stop(self, why: str, place: str = "") -> None:
+        """End a program that takes too much, as ``SIGKILL`` would.
+
+        Args:
+            why: What it takes.
+            place: Where it does so; by default, the line that the present thread runs.
+        """
+        self.exit_code = -signal.SIGKILL
+        place = place or self.place(sys._getframe())
+        self._teller.failed(self, why + (f" ({place})" if place else ""))
+        self._end_others()
+
+    def _end_others(self) -> None:
+        self.at_exit.clear()
         for task in self.threads:
             if task is not here():
                 task.end(Abandoned)
@@ -162,9 +188,16 @@ class Program:
         """Call its own handler of Ctrl-C; return whether it has one."""
         handler = self.handlers.get(signal.SIGINT)
         if callable(handler) and handler is not signal.default_int_handler:
-            handler(signal.SIGINT, sys._getframe())
+            self.handle(handler, signal.SIGINT, sys._getframe())
             return True
         return bool(handler == signal.SIG_IGN)
+
+    def handle(self, handler: Callable[..., object], number: int, frame: FrameType | None) -> None:
+        """Call its own handler of a signal, and write the number where it asks for that, as ``asyncio`` does."""
+        handler(number, frame)
+        if self.wakeup >= 0:
+            with suppress(OSError):
+                os.write(self.wakeup, bytes((number,)))
 
     def place(self, frame: FrameType | None) -> str:
         """Return the file and line of a program's own code that a frame runs; empty without one."""
@@ -184,6 +217,13 @@ class Program:
             if self._is_own(frame.f_code)
         ]
         return f" ({found[-1]})" if found else f" ({self.file})"
+
+    def _own_traceback(self, error: BaseException) -> TracebackType | None:
+        """Return what Python would print of an error: without the calls that lead to the program."""
+        found = error.__traceback__
+        while found is not None and not self._is_own(found.tb_frame.f_code):
+            found = found.tb_next
+        return found
 
     def _is_own(self, code: CodeType) -> bool:
         file = code.co_filename
@@ -264,6 +304,8 @@ class Program:
             self._hidden.clear()
         if self.folder:
             os.chdir(self.outer_folder)
+        if self._is_over:
+            self.modules.clear()  # and with them what they keep in memory
 
     def own_module(self, name: str) -> None:
         """Let a module that is about to be imported be the program's own, and hide another of its name."""

@@ -238,7 +238,7 @@ def _select(
 
 def _selector_select(task: Task, real: Callable[..., Any], selector: Any, timeout: float | None = None) -> Any:
     """Let ``asyncio`` and others that wait for files or a time wait in simulated time."""
-    if timeout is None or timeout <= 0:
+    if timeout is not None and timeout <= 0:
         task.count_call()
         return real(selector, timeout)
     found: list[Any] = []
@@ -247,9 +247,9 @@ def _selector_select(task: Task, real: Callable[..., Any], selector: Any, timeou
         found[:] = found or real(selector, 0)
         return bool(found)
 
-    end = task.now + round(timeout * _SECOND)
+    end = inf if timeout is None else task.now + round(timeout * _SECOND)
     while not is_ready() and task.now < end:
-        task.watch(is_ready, min(POLL, end - task.now))
+        task.watch(is_ready, round(min(POLL, end - task.now)))
     return found
 
 

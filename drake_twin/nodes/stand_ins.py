@@ -12,6 +12,8 @@ _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin
 _WITHOUT_A_LIST = ("rclpy._rclpy_pybind11", "rclpy.clock_type", "rclpy.impl", "rclpy.type_hash")
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
+YIELDING = frozenset(("nav2_simple_commander", "interactive_markers"))  # to a workspace that has their sources
+
 
 @cache
 def stand_in(name: str) -> ModuleType | None:

@@ -4,12 +4,15 @@ The simulation's thread hands the baton to a thread whose time has come and wait
 spin or any other wait of the node. So nodes see and change the twin at one step boundary, in a fixed order.
 """
 
+import logging
+import sys
 import threading
 import time as wall_clock
 from collections.abc import Callable
 from math import inf
 from typing import Protocol
 
+from drake_twin.nodes.memory import resident
 from drake_twin.nodes.task import Abandoned, Task
 
 _MOST_ROUNDS = 1000  # rounds of turns at one simulation time, after which the threads wait for the next step
@@ -18,6 +21,7 @@ _BLOCKED = 20  # such looks at which it sleeps and has not worked, until it is t
 _BLOCKED_AGAIN = 2  # such looks at a thread that has waited for something outside before
 _WORK = 1e-3  # s of the processor's time between two looks, below which a thread does not work
 _PATIENCE = 20.0  # s of the processor's time that a thread may work in one turn
+_TURNS_A_LOOK = 16  # turns of a program, of which one is measured: how much memory it takes
 _FAREWELL = 0.7  # s of wall time that all threads have to end in
 
 _new_lock = threading.Lock  # node programs have another one
@@ -29,8 +33,8 @@ class Watcher(Protocol):
     def blocked(self, task: Task) -> None:
         """Take note of a thread that waits for something outside, while the simulation continues."""
 
-    def abandoned(self, task: Task, seconds: float) -> None:
-        """Take note of a thread that has not given the baton back for some wall time, and has to end."""
+    def exceeded(self, task: Task, what: str) -> None:
+        """Take note of a thread whose program takes too much, and has to end."""
 
 
 class Turns:
@@ -39,6 +43,7 @@ class Turns:
     Args:
         watcher: Is told what becomes of threads.
         patience: The processor's time that a thread may use in one turn (s).
+        memory: How much memory a program may take (bytes).
         is_stopped: Whether the run is to end, so that no thread is waited for.
 
     Attributes:
@@ -50,12 +55,18 @@ class Turns:
         newcomer: Called from a thread that comes back.
     """
 
-    def __init__(self, watcher: Watcher, patience: float = _PATIENCE, is_stopped: Callable[[], bool] = lambda: False):
+    def __init__(
+        self,
+        watcher: Watcher,
+        patience: float = _PATIENCE,
+        memory: float = inf,
+        is_stopped: Callable[[], bool] = lambda: False,
+    ):
         self.now = self.limit = self.after = 0
         self.tasks: list[Task] = []
         self.outsider: Callable[[], None] = lambda: None
         self.newcomer: Callable[[], None] = lambda: None
-        self._watcher, self._patience, self._is_stopped = watcher, patience, is_stopped
+        self._watcher, self._patience, self._memory, self._is_stopped = watcher, patience, memory, is_stopped
         self._lock = _new_lock()
         self._back = _new_lock()
         self._back.acquire()
@@ -104,15 +115,25 @@ class Turns:
 
     def give(self, task: Task) -> None:
         """Hand the baton to a thread, and wait until it comes back."""
-        self._running = task
-        task.program.enter()
+        self._running, program = task, task.program
+        program.turns += 1
+        before = 0 if program.turns % _TURNS_A_LOOK else resident()
+        program.enter()
         try:
             task.resume()
             if not self._back.acquire(timeout=_LOOK):
                 self._watch(task)
+            elif before:
+                program.memory += (resident() - before) * _TURNS_A_LOOK
+                if program.memory > self._memory:
+                    self._watcher.exceeded(task, self._too_much_memory)
         finally:
             self._running = None
-            task.program.leave()
+            program.leave()
+
+    @property
+    def _too_much_memory(self) -> str:
+        return f"it has taken more than {self._memory / (1 << 30):.3g} GiB of memory, and is ended"
 
     def take_back(self, task: Task) -> None:
         """Take the baton back, in the thread that had it."""
@@ -166,6 +187,7 @@ class Turns:
         """Wait for a thread that works for long, or let it out if it waits for something outside, or end it."""
         start = wall_clock.perf_counter() - _LOOK
         first = used = task.cpu_time()
+        before = resident() - task.program.memory
         asleep = 0
         while not self._back.acquire(timeout=_LOOK):
             now = wall_clock.perf_counter()
@@ -173,18 +195,29 @@ class Turns:
             asleep = asleep + 1 if used - before < _WORK and task.is_asleep() else 0
             blocked = asleep >= (_BLOCKED_AGAIN if task.has_blocked else _BLOCKED)
             worked = min(now - start, used - first)  # on a busy machine it takes longer
-            abandoned = worked > self._patience or (self._is_stopped() and now - start > _FAREWELL / 2)
-            if not blocked and not abandoned:
+            task.program.memory = resident() - before
+            is_too_large = task.program.memory > self._memory
+            exceeded = is_too_large or worked > self._patience or (self._is_stopped() and now - start > _FAREWELL / 2)
+            if not blocked and not (exceeded and not _is_logging(task)):
                 continue
             with self._lock:
                 if self._back.acquire(blocking=False):
                     return
                 task.is_outside = True
-            if abandoned:
+            if exceeded:
                 task.end(Abandoned, at_once=True)
-                self._watcher.abandoned(task, now - start)
+                what = f"it has computed for {now - start:.0f} s without a spin or a sleep, and is ended"
+                self._watcher.exceeded(task, self._too_much_memory if is_too_large else what)
             else:
                 task.has_blocked = True
                 self.outsider()
                 self._watcher.blocked(task)
             return
+
+
+def _is_logging(task: Task) -> bool:
+    """Return whether a thread is inside `logging`: an error there would keep its lock from all others."""
+    frame = None if task.thread is None else sys._current_frames().get(task.thread.ident or 0)
+    while frame is not None and frame.f_code.co_filename != logging.__file__:
+        frame = frame.f_back
+    return frame is not None

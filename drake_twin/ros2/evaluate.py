@@ -13,6 +13,7 @@ from pathlib import Path, PurePath
 from drake_twin.description.package_index import PackageIndex, absolute_path
 from drake_twin.errors import InputError
 from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
+from drake_twin.ros2.endings import endings
 from drake_twin.ros2.evaluation import active
 from drake_twin.ros2.launch.events.shutdown import Shutdown
 from drake_twin.ros2.launch.launch_context import LaunchContext
@@ -73,6 +74,10 @@ def _evaluated(
             try:
                 enter_file(path, load(context), context, None)
                 context.events.run()
+                reason, end = context.events.shutdown_reason, context.events.shutdown_time
+                if end:  # nodes may end before
+                    context.events.come_to_rest(context.events.handlers, end)
+                found = tuple(endings(context))
             except AbsentError as error:
                 raise _with_all_absent(error, context) from None
     return Launched(
@@ -89,7 +94,9 @@ def _evaluated(
         log=tuple(context.log),
         refused_by_ros=tuple(context.refused),
         configurations={name: value for name, value in context.launch_configurations.items() if isinstance(value, str)},
-        shutdown=context.events.shutdown_reason,
+        shutdown=reason,
+        shutdown_time=end,
+        endings=found,
     )
 
 

@@ -55,6 +55,7 @@ class EventQueue:
         handlers: The registered handlers, in the order in which they are asked.
         is_shutdown: Whether the launch has ended.
         shutdown_reason: Why, where it has.
+        shutdown_time: When (s), where it has.
     """
 
     def __init__(self, run_handler: Callable[[Handler, Any], None]):
@@ -62,6 +63,7 @@ class EventQueue:
         self.handlers: list[Handler] = []
         self.is_shutdown = False
         self.shutdown_reason: str | None = None
+        self.shutdown_time: float | None = None
         self._run_handler = run_handler
         self._queue: list[tuple[float, int, Callable[[], None]]] = []
         self._sequence = 0
@@ -96,9 +98,15 @@ class EventQueue:
             if not self.is_shutdown:
                 call()
 
+    def come_to_rest(self, handlers: list[Handler], time: float) -> None:
+        """Be as before something was evaluated that may follow later."""
+        self.handlers, self.time = handlers, time
+        self.is_shutdown, self.shutdown_reason, self.shutdown_time = False, None, None
+        self._queue.clear()
+
     def shut_down(self, event: Any) -> None:
         """End the launch: the OnShutdown handlers run, and nothing starts any more."""
         if not self.is_shutdown:
-            self.shutdown_reason = event.reason
+            self.shutdown_reason, self.shutdown_time = event.reason, self.time
             self.dispatch(event)
             self.is_shutdown = True

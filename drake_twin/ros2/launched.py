@@ -73,6 +73,9 @@ class LaunchedProcess:
         world: The simulator, where the kind is ``world``.
         container: A component's container, fully resolved.
         not_done: The keywords of what the launch file asks for the process and the twin never does: ``cwd``, ….
+        respawn: The delay (s) after which it is started again when it has ended, and how often at most; None if it is
+            not. A negative number has no end.
+        key: What tells it from the other processes of its launch.
     """
 
     kind: str
@@ -91,6 +94,8 @@ class LaunchedProcess:
     world: WorldStart | None = None
     container: str | None = None
     not_done: tuple[str, ...] = ()
+    respawn: tuple[float, int] | None = None
+    key: int = field(default=0, compare=False)
 
     @property
     def full_name(self) -> str:
@@ -134,6 +139,29 @@ class UnfiredHandler:
     what: str
     actions: int
     place: Place
+
+
+@dataclass(frozen=True)
+class Ending:
+    """What follows when a process has ended that keeps running while its launch file is evaluated.
+
+    Attributes:
+        key: The process.
+        code: 0 for an end without an error, 1 for one with an error; None for any.
+        processes: What starts then; their times count from there.
+        log: What is printed then.
+        shutdown: The reason for which the launch ends; None if it does not.
+        handlers: The handlers that wait for it.
+        endings: What follows when these processes have ended.
+    """
+
+    key: int
+    code: int | None
+    processes: tuple[LaunchedProcess, ...] = ()
+    log: tuple[str, ...] = ()
+    shutdown: str | None = None
+    handlers: tuple[UnfiredHandler, ...] = ()
+    endings: tuple["Ending", ...] = ()
 
 
 @dataclass(frozen=True)
@@ -187,6 +215,8 @@ class Launched:
         refused_by_ros: What ROS 2 refuses in the files, and the twin reads.
         configurations: The launch configurations at the end.
         shutdown: The reason of a Shutdown that was reached; None without one.
+        shutdown_time: Its simulation time (s); None without one.
+        endings: What follows when processes end that keep running.
     """
 
     processes: tuple[LaunchedProcess, ...] = ()
@@ -199,6 +229,8 @@ class Launched:
     refused_by_ros: tuple[Noted, ...] = ()
     configurations: Mapping[str, str] = field(default_factory=dict)
     shutdown: str | None = None
+    shutdown_time: float | None = None
+    endings: tuple[Ending, ...] = ()
 
 
 def absolute_name(name: str, namespace: str, node: str = "") -> str:

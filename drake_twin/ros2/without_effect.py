@@ -20,10 +20,6 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
         "launch_ros.actions.Node(exec_name)",
         "rclpy.logging.set_logger_level(detailed_error)",
     ),
-    "a node is started once": (
-        "launch.actions.ExecuteLocal(respawn_delay)",
-        "launch.actions.ExecuteLocal(respawn_max_retries)",
-    ),
     "nothing starts after a shutdown": ("launch.actions.TimerAction(cancel_on_shutdown)",),
     "a launch file is evaluated at once, and nothing is left to wait for": (
         "launch.LaunchContext.add_completion_future",
@@ -115,7 +111,6 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
 
 # Parameters that become a finding with the program's line, or the launch file's, where they are given.
 AS_FINDINGS = (
-    "launch.actions.ExecuteLocal(respawn)",
     "launch.actions.ExecuteProcess(cwd)",
     "launch.actions.ExecuteProcess(prefix)",
 )

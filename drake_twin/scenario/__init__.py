@@ -13,6 +13,7 @@ from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
+from drake_twin.scenario.node_program import NodeProgram as NodeProgram
 from drake_twin.scenario.push import PUSH_DURATION as PUSH_DURATION  # for those who import it from here
 from drake_twin.scenario.push import Push as Push
 from drake_twin.scenario.push import problems_of_push
@@ -201,31 +202,6 @@ class Command:
     time: float = 0.0
     period: float | None = None
     optional: bool = False
-
-
-@saved("NodeProgram")
-@dataclass(frozen=True)
-class NodeProgram:
-    """A rclpy program of the user's that runs beside the robots, in the twin's process.
-
-    Attributes:
-        executable: A Python script; with a package, the name of its program as for ``ros2 run``.
-        package: The ROS package; empty for a script.
-        arguments: The command line. What follows ``--ros-args`` names the node, remaps its topics and sets parameters.
-        environment: Variables that differ from those of the process.
-        time: The simulation time at which it starts (s).
-    """
-
-    executable: str
-    package: str = ""
-    arguments: tuple[str, ...] = ()
-    environment: Mapping[str, str] = field(default_factory=dict)
-    time: float = 0.0
-
-    @property
-    def what(self) -> str:
-        """``PACKAGE/EXECUTABLE``, or the script's name."""
-        return f"{self.package}/{self.executable}" if self.package else self.executable.rpartition("/")[2]
 
 
 @saved("Scenario")

@@ -101,6 +101,9 @@ class RobotStatePublisher(WitnesslessSystem):
       topic ``/tf_static``.
     - ``<robot>/robot_description``: ``std_msgs/msg/String`` with the URDF (or SDF) text; never changes.
 
+    Attributes:
+        placed_by_others: Frames whose true poses are left out, since programs publish transforms to them.
+
     Args:
         robots: The robots.
         size: The size of ``state``.
@@ -130,6 +133,7 @@ class RobotStatePublisher(WitnesslessSystem):
         self._moving, self._fixed = _Transforms(moving), _Transforms(fixed)
         self._indices = np.array(indices, dtype=int)
         self._base_frames = [("world", robot.base_frame) for robot in robots if robot.base_frame]
+        self.placed_by_others: set[str] = set()
         self._bases = [robot.layout for robot in robots if robot.base_frame]
         if not all(layout.has_moving_base for layout in self._bases):
             raise ValueError("a base that does not move is a static transform")
@@ -205,7 +209,10 @@ class RobotStatePublisher(WitnesslessSystem):
         poses = numbers.reshape(-1, 7)
         bases, joints = poses[: len(self._bases)], poses[len(self._bases) :]
         moving = _transforms(stamp, self._moving.frames, joints, self._moving.translations)
-        transforms = [*_transforms(stamp, self._base_frames, bases), *of_drives, *moving]
+        own = _transforms(stamp, self._base_frames, bases)
+        if self.placed_by_others:
+            own = [transform for transform in own if transform.child_frame_id not in self.placed_by_others]
+        transforms = [*own, *of_drives, *moving]
         return messages.TFMessage([*transforms, *of_links])
 
     def _calc_tf_static(self, context: Context, output: AbstractValue) -> None:

@@ -157,6 +157,11 @@ def graph_key(domain: int | str) -> str:
     return f"@ros2_lv/{domain}/**"
 
 
+def servers_key(domain: int, service: str, ros_type: str) -> str:
+    """Return the key expression of the liveliness tokens of a service's servers."""
+    return f"@ros2_lv/{domain}/*/*/*/{SERVICE}/*/*/*/{_mangled(service)}/{dds_type(ros_type)}/*/*"
+
+
 def topic_key(domain: int, topic: str, ros_type: str, type_hash: str) -> str:
     """Return the key expression of a topic's messages or of a service's requests."""
     return f"{domain}/{topic.strip('/')}/{dds_type(ros_type)}/{type_hash}"

@@ -11,7 +11,6 @@ from typing import Any
 from drake_twin.wires.rmw_zenoh_format import (
     NO_HASH,
     PUBLISHER,
-    SERVICE,
     SUBSCRIPTION,
     Node,
     Qos,
@@ -19,13 +18,13 @@ from drake_twin.wires.rmw_zenoh_format import (
     attachment,
     gid,
     graph_key,
-    read_attachment,
     read_token,
     session_of,
     topic_key,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name, ros_type
-from drake_twin.wires.wire import LARGEST, Closable, Nothing, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import LARGEST, Closable, Nothing, Reply, Sender, ServiceClient, WireEndpoint
+from drake_twin.wires.zenoh_service import ZenohClient, ZenohServer
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
@@ -68,8 +67,9 @@ class ZenohWire:
         self.session_id = str(self._session.zid())
         self._graph = _Graph(self._session, self.domain)
         self._senders: list[_Sender] = []
+        self._clients: list[ZenohClient] = []
         self._is_closed = threading.Event()
-        self._thread = threading.Thread(target=self._watch_listeners, name="drake_twin listeners", daemon=True)
+        self._thread = threading.Thread(target=self._watch, name="drake_twin listeners", daemon=True)
         self._thread.start()
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
@@ -90,7 +90,15 @@ class ZenohWire:
         """Offer a service; see `drake_twin.wires.wire.Wire`."""
         if not _has_name(service):
             return Nothing()
-        return _Server(self._session, self._graph, service, answer)
+        return ZenohServer(self._session, self._graph, service, answer)
+
+    def client(self, service: WireEndpoint, changed: Callable[[], None]) -> ServiceClient:
+        """Look for a service of another program; see `drake_twin.wires.wire.AskingWire`."""
+        if not _has_name(service):
+            return Nothing()
+        client = ZenohClient(self._session, self._graph, service, changed, self._clients.remove)
+        self._clients.append(client)
+        return client
 
     def tokens(self, domain: int | str) -> list[str]:
         """Return the liveliness tokens of a domain; of all domains with ``*``."""
@@ -124,8 +132,8 @@ class ZenohWire:
         with contextlib.suppress(zenoh.ZError):
             self._session.close()
 
-    def _watch_listeners(self) -> None:
-        """Look who listens, in a thread of its own.
+    def _watch(self) -> None:
+        """Look who listens and which services are there, in a thread of its own.
 
         Zenoh could call back instead. But to end a topic while it does so takes it 10 s, in which no thread of Python
         runs: it waits for the callback, which waits for Python.
@@ -133,6 +141,8 @@ class ZenohWire:
         while not self._is_closed.wait(_PERIOD):
             for sender in tuple(self._senders):
                 sender.look()
+            for client in tuple(self._clients):
+                client.look()
 
 
 def _has_name(endpoint: WireEndpoint) -> bool:
@@ -317,47 +327,6 @@ class _Listener:
         if size > LARGEST:
             return f"a message of more than {LARGEST} bytes is ignored"
         return None
-
-
-class _Server:
-    """Answers the requests of a service."""
-
-    def __init__(
-        self,
-        session: Any,
-        graph: _Graph,
-        service: WireEndpoint,
-        answer: Callable[[bytes, Reply], None],
-    ):
-        from zenoh import handlers
-
-        self._name, self._answer = service.name, answer
-        self._key = topic_key(graph.domain, service.name, service.type, service.hash or NO_HASH)
-        call = handlers.Callback(self._take, indirect=False)
-        self._queryable = session.declare_queryable(self._key, call, complete=True)
-        _, self._leave = graph.add(SERVICE, service, Qos())
-
-    def close(self) -> None:
-        """Take it off the graph."""
-        self._leave()
-        self._queryable.undeclare()
-
-    def _take(self, query: Any) -> None:
-        try:
-            sequence, _, client = read_attachment(b"" if query.attachment is None else query.attachment.to_bytes())
-            request = b"" if query.payload is None else query.payload.to_bytes()
-        except ValueError as error:
-            _log.warning("%s: a request is ignored: %s", self._name, error)
-            query.reply_err(str(error))
-            query.drop()
-            return
-
-        def reply(data: bytes) -> None:
-            with contextlib.suppress(Exception):
-                query.reply(self._key, data, attachment=attachment(sequence, time.time_ns(), client))
-                query.drop()
-
-        self._answer(request, reply)
 
 
 def _ros_type(key: str) -> str:

@@ -31,13 +31,28 @@ def test_wrong_lines(line, why):
         node_programs([line])
 
 
-def test_a_node_that_fails_counts_with_strict(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("text", "why", "traceback"),
+    [
+        ("raise ValueError('no')", "ValueError: no (FILE:1)", '  File "FILE", line 1, in <module>\n'),
+        ("import nowhere", "ModuleNotFoundError: No module named 'nowhere' (FILE:1)", '  File "FILE", line 1, in'),
+        ("x = (", "SyntaxError: '(' was never closed (fails.py, line 1) (FILE:1)", '  File "FILE", line 1\n    x = ('),
+        ("def f():\n    return {}[3]\nimport threading\nthreading.Thread(target=f).start()", "KeyError: 3 (FILE:2)",
+         '  File "FILE", line 2, in f\n'),
+        ("import sys\nsys.exit(3)", "it has ended with exit code 3 (FILE:2)", ""),
+    ],
+)  # fmt: skip
+def test_a_run_in_which_a_node_fails_ends_with_1(tmp_path, capsys, text, why, traceback):
     script = tmp_path / "fails.py"
-    script.write_text("raise ValueError('no')\n")
+    script.write_text(f"{text}\n")
     run = ["--robots", "1", "--headless", "--duration", "0.1", "--node", str(script)]
-    assert main(run) == 0
-    assert f"node fails.py: ValueError: no ({script}:1)" in capsys.readouterr().err
+    assert main(run) == 1
+    paragraph, *more = capsys.readouterr().err.replace(str(script), "FILE").splitlines(keepends=True)
+    assert paragraph == f"error: node fails.py: {why}\n"
+    assert traceback in "".join(more)
+    assert "drake_twin" not in "".join(more)
     assert main([*run, "--strict"]) == 1
+    assert main([*run, "--keep-going"]) == 0
 
 
 def test_saved_states_start_their_nodes_again(tmp_path, capsys):

@@ -331,11 +331,12 @@ def test_what_the_twin_does_not_do_is_listed_once_with_its_reason(tmp_path):
         command("ls"),
     ]
     scenario = launched_hinge(tmp_path, *entities).scenario
+    mapping = "mapping is not a part of the twin: /map and the transform from map to odom will be missing"
     assert not_started(scenario, Kind.WINDOW) == ("rviz2/rviz2 (the page shows the robots)",)
     assert not_started(scenario) == (
         "foo/bar (it is not a Python program of the workspace: publish its messages by --pub, or run a node by --node)",
         "joint_state_publisher/joint_state_publisher (joint states come from the simulation)",
-        "slam_toolbox/async_slam_toolbox_node (mapping is not a part of the twin)",
+        f"slam_toolbox/async_slam_toolbox_node ({mapping})",
         "ls (of programs, the twin starts only Python nodes)",
     )
 

@@ -8,6 +8,7 @@ from drake_twin.findings import Place
 from drake_twin.from_launch.launched_nodes import launched_node, needs_terminal, spawns
 from drake_twin.ros2.launched import LaunchedProcess
 from drake_twin.scenario import NodeProgram
+from drake_twin.scenario.node_program import Respawn
 
 SETUP = "from setuptools import setup\nsetup(name='mine', entry_points={'console_scripts': ['run = mine.a:main']})\n"
 
@@ -58,6 +59,14 @@ def test_what_is_no_python_program_of_a_package_is_no_node(packages, process):
     assert started(process, packages) == (None, [])
 
 
+def test_a_component_that_the_twin_has_itself_is_a_node(packages):
+    component = node("image_proc", "image_proc::RectifyNode", "component", name="r", namespace="/camera")
+    found, _ = started(component, packages)
+    assert (found.package, found.executable) == ("image_proc", "image_proc::RectifyNode")
+    assert "__ns:=/camera" in found.arguments
+    assert started(node("image_proc", "image_proc::DebayerNode", "component"), packages) == (None, [])
+
+
 def test_a_program_that_the_twin_has_itself_needs_no_package(packages):
     found, _ = started(node("topic_tools", "relay"), packages)
     assert (found.package, found.executable) == ("topic_tools", "relay")
@@ -79,8 +88,14 @@ def test_other_commands_are_no_nodes(packages, tmp_path):
 
 
 def test_what_the_twin_never_does_for_a_node_is_said(packages):
-    _, findings = started(node(not_done=("respawn",)), packages)
-    assert [(item.what, item.lines) for item in findings] == [("respawn of mine/run: a node is started once", (7,))]
+    _, findings = started(node(not_done=("cwd",)), packages)
+    text = "cwd of mine/run: a node starts in the working folder of the run"
+    assert [(item.what, item.lines) for item in findings] == [(text, (7,))]
+
+
+def test_how_a_process_is_started_again_is_passed_on(packages):
+    found, findings = started(node(respawn=(2.0, 3)), packages)
+    assert (found.respawn, findings) == (Respawn(2.0, 3), [])
 
 
 def test_a_program_spawns_if_its_source_names_the_service(packages, tmp_path):

@@ -397,6 +397,6 @@ def test_nothing_to_run_is_one_paragraph_that_names_all_that_is_missing(tmp_path
         launched(tmp_path, spawner("states"), node("nav2_bringup", "bringup"), create("-topic", "robot_description"))
     text = str(caught.value)
     assert "test.launch.py: the launch file starts no robot for its controllers (states)" in text
-    assert "nav2_bringup/bringup (navigation is not a part of the twin)" in text
+    assert "nav2_bringup/bringup (navigation is not a part of the twin: goals will not be planned or followed)" in text
     assert text.endswith("no node publishes a description on /robot_description.")
     assert "\n" not in text

@@ -148,6 +148,35 @@ def test_a_throttle_passes_on_so_many_a_second(run):
     assert [later - time for time, later in pairwise(times)] == pytest.approx([0.5, 0.5], abs=0.02)
 
 
+def test_a_throttle_takes_its_command_line(run):
+    """throttle.cpp:24: throttle messages INPUT RATE [OUTPUT]."""
+    program = NodeProgram("throttle", "topic_tools", ("messages", "/nav", "2.0", "/slow"))
+    assert len(run(program, "/slow", ("twist", "/nav", 3, 0, 2))) == 3
+
+
+def test_so_many_are_dropped(run):
+    """drop_node.cpp:45: the first X of each Y; drop.cpp:26: drop INPUT X Y [OUTPUT]."""
+    program = NodeProgram("drop", "topic_tools", ("/nav", "2", "3"))
+    times = [time for time, _ in run(program, "/nav_drop", ("twist", "/nav", 3, 0.5, 2))]
+    assert len(times) == 5
+    assert [later - time for time, later in pairwise(times)] == pytest.approx([0.3] * 4, abs=0.02)
+
+
+def test_all_are_delayed(run):
+    """delay_node.cpp:43; delay.cpp:26: delay INPUT DELAY [OUTPUT]."""
+    program = NodeProgram("delay", "topic_tools", ("/nav", "0.45", "/late"))
+    heard = run(program, "/late", ("twist", "/nav", 3, 0.5, 1.0))
+    assert [time for time, _ in heard] == pytest.approx([0.5 + 0.45 + 0.1 * index for index in range(6)], abs=0.04)
+
+
+def test_what_is_dropped_must_be_said(tmp_path):
+    with rovers(1).build() as twin:
+        nodes = Nodes(twin, [NodeProgram("drop", "topic_tools", ("/nav", "2"))])
+        twin.advance_to(0.1)
+        nodes.close()
+        assert "the parameter Y is not set" in twin.more_findings[0].what
+
+
 def test_stamps_are_added_and_left_out(run):
     remap = ("--ros-args", "-r", "cmd_vel_in:=/in", "-r", "cmd_vel_out:=/out")
     stamper = NodeProgram("twist_stamper", "twist_stamper", remap)
@@ -157,8 +186,9 @@ def test_stamps_are_added_and_left_out(run):
 
 
 def test_each_program_is_there():
-    packages = "joint_state_publisher", "teleop_twist_keyboard", "topic_tools", "twist_mux", "twist_stamper"
-    for package in packages:
+    scans = "depthimage_to_laserscan", "pointcloud_to_laserscan", "image_proc", "robot_localization"
+    drives = "teleop_twist_joy", "teleop_twist_keyboard", "topic_tools", "twist_mux", "twist_stamper"
+    for package in ("joint_state_publisher", *scans, *drives):
         programs = built_in_programs(package)
         assert programs
         assert all(program.file.is_file() for program in programs.values())

@@ -60,3 +60,18 @@ def test_other_modules_are_left_alone():
     folders = PackageFolders({}.get)
     assert folders.source("ament_index_python.other") is None
     assert folders.source("ament_index_python").PackageNotFoundError is PackageNotFoundError
+
+
+def test_a_module_of_another_name_than_its_package(tmp_path, capsys):
+    """ROS finds it wherever a package of the workspace installs it."""
+    package = write_package(tmp_path / "src", "arm_tools")
+    (package / "CMakeLists.txt").write_text(
+        "project(arm_tools)\nament_python_install_package(reach PACKAGE_DIR code)\n"
+    )
+    (package / "code").mkdir()
+    (package / "code" / "__init__.py").write_text("LENGTH = 0.7\n")
+    (package / "code" / "far.py").write_text("from reach import LENGTH\nFAR = 2 * LENGTH\n")
+    other = write_package(tmp_path / "src", "arm_bringup") / "scripts"
+    other.mkdir()
+    run_script(other, "from reach.far import FAR\nprint(FAR)\n")
+    assert capsys.readouterr().out.split() == ["1.4"]

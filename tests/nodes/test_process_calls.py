@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 
 import pytest
 from node_runs import HEAD, lines, running, script
@@ -53,6 +54,7 @@ def test_a_handler_of_ctrl_c_is_called_at_the_end(tmp_path, capsys):
     """It may end a loop, or the program; a program that does neither is interrupted nevertheless."""
     text = """
 import signal
+import sys
 import time
 
 running = True
@@ -202,3 +204,49 @@ executor.spin()
     out, error = capfd.readouterr()
     assert out.splitlines() == ["alive"] * 3
     assert error.count("sys.exit(4) in a thread of an executor ends only the callback") == 3
+
+
+def test_asyncio_makes_a_loop_for_the_thread_that_a_node_begins_with(tmp_path, capsys):
+    text = """
+import asyncio
+import threading
+import time
+
+assert threading.current_thread() is threading.main_thread()
+loop = asyncio.new_event_loop() if {new} else asyncio.get_event_loop()
+loop.run_until_complete(asyncio.sleep(0.1))
+print(round(time.time(), 3))
+"""
+    new = sys.version_info >= (3, 14)  # which makes none
+    with running(script(tmp_path, "f.py", text.replace("{new}", str(new)))) as twin:
+        twin.advance_to(0.15)
+        assert twin.findings == ()
+    assert lines(capsys) == ["0.1"]
+
+
+def test_asyncio_hears_the_signals_of_its_node(tmp_path, capsys):
+    text = """
+import asyncio
+import os
+import signal
+import sys
+
+
+async def main():
+    ended, used = asyncio.Event(), asyncio.Event()
+    loop = asyncio.get_running_loop()
+    loop.add_signal_handler(signal.SIGINT, ended.set)
+    loop.add_signal_handler(signal.SIGUSR1, used.set)
+    os.kill(os.getpid(), signal.SIGUSR1)
+    await used.wait()
+    print("used")
+    await ended.wait()
+    print("ended")
+
+
+asyncio.run(main())
+"""
+    with running(script(tmp_path, "f.py", text)) as twin:
+        twin.advance_to(0.1)
+        assert lines(capsys) == ["used"]
+    assert lines(capsys) == ["ended"]

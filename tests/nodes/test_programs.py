@@ -245,7 +245,7 @@ def test_nodes_of_a_launch_file(tmp_path, capsys):
     ("options", "keywords"),
     [
         ("cwd='/'", ["cwd"]),
-        ("prefix='xterm -e', respawn='True'", ["prefix", "respawn"]),
+        ("prefix='xterm -e', respawn='True'", ["prefix"]),
         ("prefix='', respawn=False, emulate_tty=True, respawn_delay=2.0", []),
     ],
 )

@@ -35,6 +35,12 @@ class RosClient:
         self._know(f"{kind}_Request", f"{kind}_Response")
         return self._add(ROS2ServiceClient(name, kind, type_hash=type_hash(kind), timeout=60.0, **self._where))
 
+    def serve(self, name: str, kind: str, answer: Callable[[Any], Any]) -> Any:
+        from zenoh_ros2_sdk import ROS2ServiceServer
+
+        self._know(f"{kind}_Request", f"{kind}_Response")
+        return self._add(ROS2ServiceServer(name, kind, answer, type_hash=type_hash(kind), **self._where))
+
     def message(self, kind: str, **fields: Any) -> Any:
         from zenoh_ros2_sdk.session import ZenohSession
 

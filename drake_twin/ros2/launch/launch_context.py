@@ -3,8 +3,9 @@
 import os
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,6 +21,19 @@ from drake_twin.ros2.scopes import Scopes
 from drake_twin.ros2.text_parts import text_parts
 
 _MOST_PROCESSES = 20_000
+
+
+@dataclass(frozen=True)
+class Lasting:
+    """A process that keeps running.
+
+    Attributes:
+        exited: Does what follows its end with an exit code.
+        has_followers: Whether it has actions of its own for that.
+    """
+
+    exited: Callable[[int], None]
+    has_followers: bool
 
 
 class LaunchContext:
@@ -46,6 +60,7 @@ class LaunchContext:
         rewritten: Path of a file made by the launch → what is in it.
         files: The files that are being executed, the outermost first, each with the place that includes it.
         place: Where the action that is being executed was written.
+        lasting: The processes that keep running, by their keys.
         extensions: Package or group whose extensions were imported → what failed, see `launch_extensions`.
     """
 
@@ -74,6 +89,8 @@ class LaunchContext:
         self.files: list[tuple[str, Place | None]] = []
         self.place: Place | None = None
         self.extensions: dict[str, str] = {}
+        self.lasting: dict[int, Lasting] = {}
+        self._keys = count(1)
         self._locals: dict[str, Any] = {}
         self._globals: dict[str, Any] = {}
         self._anonymous: dict[str, str] = {}
@@ -242,7 +259,7 @@ class LaunchContext:
         if len(self.processes) >= _MOST_PROCESSES:
             raise InputError(f"the launch starts more than {_MOST_PROCESSES} processes: does it loop?")
         environment = {**self.scopes.environment_additions(), **process.environment}
-        process = replace(process, start_time=self.events.time, environment=environment)
+        process = replace(process, start_time=self.events.time, environment=environment, key=next(self._keys))
         self.processes.append(process)
         return process
 

@@ -11,7 +11,7 @@ from drake_twin.ros2.launch.action import Action
 from drake_twin.ros2.launch.descriptions.executable import Executable
 from drake_twin.ros2.launch.events.execution_complete import ExecutionComplete
 from drake_twin.ros2.launch.events.process import ProcessExited, ProcessStarted
-from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import Lasting, LaunchContext
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
 from drake_twin.ros2.launched import (
     PROCESS,
@@ -23,7 +23,8 @@ from drake_twin.ros2.without_effect import parameters_without_effect
 _IGNORED = parameters_without_effect("launch.actions.ExecuteLocal")
 _USED = (
     *("package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments", "cmd"),
-    *("output", "on_exit", "respawn", "condition", "prefix", "cwd", "env", "additional_env", "shell"),
+    *("output", "on_exit", "respawn", "respawn_delay", "respawn_max_retries"),
+    *("condition", "prefix", "cwd", "env", "additional_env", "shell"),
 )
 
 
@@ -35,7 +36,9 @@ class ExecuteLocal(Action):
         shell: Whether the words are one shell command.
         output: Where its lines go.
         on_exit: Actions for when it has ended.
-        respawn: Whether it is to be started again when it ends, which the twin does not do.
+        respawn: Whether it is to be started again when it ends.
+        respawn_delay: How long after its end (s).
+        respawn_max_retries: How often at most; negative for no end.
         condition: A condition, or None.
     """
 
@@ -47,6 +50,8 @@ class ExecuteLocal(Action):
         output: Any = "log",
         on_exit: Any = None,
         respawn: Any = False,
+        respawn_delay: float | None = None,
+        respawn_max_retries: int = -1,
         condition: Any = None,
         **kwargs: Any,
     ):
@@ -56,7 +61,8 @@ class ExecuteLocal(Action):
         self.shell = shell
         self.output = output
         self._on_exit = on_exit
-        self.respawn = respawn
+        self.respawn, self._respawn_delay, self._respawn_max_retries = respawn, respawn_delay, respawn_max_retries
+        self._return_code: int | None = None
         self.started: LaunchedProcess | None = None
 
     @property
@@ -71,8 +77,8 @@ class ExecuteLocal(Action):
 
     @property
     def return_code(self) -> int | None:
-        """0 once the process has been started and ends; None before."""
-        return 0 if self.started is not None and self.started.ends else None
+        """The exit code once the process has ended; None before."""
+        return 0 if self.started is not None and self.started.ends else self._return_code
 
     @property
     def process_details(self) -> dict[str, Any] | None:
@@ -109,17 +115,19 @@ class ExecuteLocal(Action):
         captured = context.snapshot()
         details = self.process_details or {}
         context.events.after(0.0, lambda: emit(context, ProcessStarted(**details)))
-        if not started.ends:
-            return
 
-        def exited() -> None:
-            event = ProcessExited(**details)
+        def exited(returncode: int = 0) -> None:
+            self._return_code = returncode
+            event = ProcessExited(returncode=returncode, **details)
             if self._on_exit is not None:
                 context.run_captured(captured, self.place, lambda: self._follow(event, context))
             emit(context, event)
             emit(context, ExecutionComplete(action=self))
 
-        context.events.after(duration(started), exited)
+        if started.ends:
+            context.events.after(duration(started), exited)
+        else:
+            context.lasting[started.key] = Lasting(exited, self._on_exit is not None)
 
     def _follow(self, event: ProcessExited, context: LaunchContext) -> None:
         entities = self._on_exit
@@ -143,15 +151,21 @@ class ExecuteLocal(Action):
             output=self.performed_output(context),
             ends=command_ends(words),
             not_done=self.not_done(context),
+            respawn=self.performed_respawn(context),
         )
 
     def not_done(self, context: LaunchContext) -> tuple[str, ...]:
         """Return the keywords of what it asks for and the twin does for no process."""
         described = self.process_description
         given = {"cwd": described.cwd, "prefix": described.prefix}
-        found = [name for name, value in given.items() if value is not None and context.perform_substitution(value)]
+        return tuple(name for name, value in given.items() if value is not None and context.perform_substitution(value))
+
+    def performed_respawn(self, context: LaunchContext) -> tuple[float, int] | None:
+        """Return the delay and the number of times after which a process that has ended starts again; None if never."""
         respawn = self.respawn if isinstance(self.respawn, bool) else context.perform_substitution(self.respawn)
-        return (*found, "respawn") if str(respawn).lower() in ("true", "1") else tuple(found)
+        if str(respawn).lower() not in ("true", "1"):
+            return None
+        return max(0.0, float(self._respawn_delay or 0.0)), int(self._respawn_max_retries)
 
     def own_environment(self, context: LaunchContext) -> dict[str, str | None]:
         """Return the variables that only this process has."""

@@ -14,9 +14,7 @@ from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 
 # What ROS knows and the twin ignores, with the types: it starts no process.
 _IGNORED = {
-    **dict.fromkeys(("respawn", "sigkill_timeout", "sigterm_timeout"), str),
-    "respawn_delay": float,
-    "respawn_max_retries": int,
+    **dict.fromkeys(("sigkill_timeout", "sigterm_timeout"), str),
     "emulate_tty": bool,
     "log_cmd": bool,
     "cached_output": bool,
@@ -64,7 +62,10 @@ def process_arguments(entity: Entity, parser: Parser) -> dict[str, Any]:
     """Return the arguments of an action that starts a process, apart from its command and its name."""
     for name, data_type in _IGNORED.items():
         entity.get_attr(name, data_type=data_type, optional=True)
-    arguments: dict[str, Any] = dict(parser.parse_optional(entity, "cwd", "output"))
+    arguments: dict[str, Any] = dict(parser.parse_optional(entity, "cwd", "output", "respawn"))
+    for name, data_type in (("respawn_delay", float), ("respawn_max_retries", int)):
+        value = entity.get_attr(name, data_type=data_type, optional=True)
+        arguments |= {} if value is None else {name: value}
     prefix = parser.parse_optional(entity, "launch-prefix")
     if prefix:
         arguments["prefix"] = prefix["launch_prefix"]

@@ -172,4 +172,5 @@ class Node(ExecuteLocal):
             output=self.performed_output(context),
             ends=node_ends(executable),
             not_done=self.not_done(context),
+            respawn=self.performed_respawn(context),
         )

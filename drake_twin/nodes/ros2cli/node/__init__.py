@@ -1,0 +1,1 @@
+"""Nodes with which a program looks at the graph."""
