@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from math import inf
 from typing import Any
 
 from drake_twin.messages.interface_types import make
@@ -39,8 +40,8 @@ class OutsideAction:
 
     @property
     def is_there(self) -> bool:
-        """Whether another program offers it."""
-        return all(self._graph.outside.has_service(item.name, item.type) for item in self._callers.values())
+        """Whether another program offers it, or a node does by services of its own."""
+        return all(self._graph.has_service(item.name, item.type) for item in self._callers.values())
 
     def close(self) -> None:
         """Take it off the graph."""
@@ -71,7 +72,7 @@ class OutsideAction:
         self._listeners.pop(key, None)
         listener.ended(int(response.status), response.result)
 
-    def _hear(self, message: Any) -> None:
+    def _hear(self, message: Any, expires: float = inf) -> None:
         listener = self._listeners.get(bytes(message.goal_id.uuid))
         if listener is not None:
             listener.heard(message.feedback)

@@ -33,7 +33,8 @@ class QosEvents:
         """Let a subscription hear a publisher if it may."""
         if publication.type != reception.type or reception in publication.matched:
             return
-        kind = self._mismatch(publication.profile, reception.profile)
+        is_open = None in (publication.profile, reception.profile)  # what the twin has for an action's messages
+        kind = None if is_open else self._mismatch(publication.profile, reception.profile)
         if kind is not None:
             self.refused(publication, kind)
             self.refused(reception, kind)

@@ -57,6 +57,7 @@ class Client:
         self._type = client_impl.item.type
         self._answers: deque[Callable[[], None]] = deque()
         self._pending: list[Future] = []
+        self.executor: Any = None
 
     handle = property(lambda self: self._impl)
 
@@ -96,6 +97,7 @@ class Client:
         if future in self._pending:
             given = message_classes.from_wire(f"{self._type}_Response", response)
             self._impl.introspection.note("RESPONSE_RECEIVED", given)
+            future.set_executor(self.executor)
             future.set_result(given)
 
     def get_pending_request(self, sequence_number: int) -> Future:

@@ -30,7 +30,7 @@ class LoggingService:
             result = SetLoggerLevelsResult(successful=True)
             try:
                 logging.set_logger_level(item.name, LoggingSeverity(item.level))
-            except ValueError as error:
-                result = SetLoggerLevelsResult(successful=False, reason=str(error))
+            except ValueError:
+                result = SetLoggerLevelsResult(successful=False, reason="Failed reason: Invalid logger level.")
             response.results.append(result)
         return response

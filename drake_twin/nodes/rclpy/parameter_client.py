@@ -3,8 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.parameter import Parameter, parameter_dict_from_yaml_file
-from drake_twin.nodes.rclpy.qos_profiles import qos_profile_services_default
+from drake_twin.nodes.rclpy.qos_profiles import qos_profile_parameter_events, qos_profile_services_default
 from drake_twin.nodes.rclpy.task import Future
 
 _Callback = Callable[[Future], None] | None
@@ -77,14 +78,36 @@ class AsyncParameterClient:
     def load_parameter_file(
         self, parameter_file: str, use_wildcard: bool = False, callback: _Callback = None
     ) -> Future:
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard, target_nodes=[self.remote_node_name])
+        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
         return self.set_parameters(list(found.values()), callback)
 
     def load_parameter_file_atomically(
         self, parameter_file: str, use_wildcard: bool = False, callback: _Callback = None
     ) -> Future:
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard, target_nodes=[self.remote_node_name])
+        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
         return self.set_parameters_atomically(list(found.values()), callback)
+
+    def on_parameter_event(
+        self,
+        callback: Callable[[Any], None],
+        qos_profile: Any = qos_profile_parameter_events,
+        *,
+        callback_group: Any = None,
+        event_callbacks: Any = None,
+        qos_overriding_options: Any = None,
+        raw: bool = False,
+    ) -> Any:
+        """Subscribe to the events of all nodes' parameters."""
+        return self.node.create_subscription(
+            message_class("rcl_interfaces/msg/ParameterEvent"),
+            "/parameter_events",
+            callback,
+            qos_profile,
+            callback_group=callback_group,
+            event_callbacks=event_callbacks,
+            qos_overriding_options=qos_overriding_options,
+            raw=raw,
+        )
 
     def _asked(self, name: str, request: Any, callback: _Callback) -> Future:
         future: Future = self._clients[name].call_async(request)

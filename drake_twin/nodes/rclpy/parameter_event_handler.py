@@ -121,7 +121,7 @@ class ParameterEventHandler:
     def add_parameter_callback(
         self, parameter_name: str, node_name: str, callback: Callable[[Any], None]
     ) -> ParameterCallbackHandle:
-        return self._callbacks.add_parameter_callback(parameter_name, self._resolved(node_name), callback)
+        return self._callbacks.add_parameter_callback(parameter_name, self._resolve_path(node_name), callback)
 
     def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
         self._callbacks.remove_parameter_callback(handle)
@@ -132,7 +132,7 @@ class ParameterEventHandler:
     def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
         self._callbacks.remove_parameter_event_callback(handle)
 
-    def _resolved(self, node: str) -> str:
+    def _resolve_path(self, node: str) -> str:
         """Return a node's full name: a relative one is in the namespace of the handler's own node, "" that node."""
         if not node:
             return self.node.get_fully_qualified_name()

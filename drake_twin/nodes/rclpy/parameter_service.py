@@ -63,9 +63,7 @@ def _get(node: Any, request: Any, response: Any) -> None:
     for name in request.names:
         try:
             found.append(node.get_parameter(name).get_parameter_value())
-        except ParameterUninitializedException:
-            found.append(message_class("rcl_interfaces/msg/ParameterValue")())
-        except ParameterNotDeclaredException:
+        except (ParameterNotDeclaredException, ParameterUninitializedException):
             return
     response.values = found
 

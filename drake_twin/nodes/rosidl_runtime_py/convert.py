@@ -1,28 +1,37 @@
-"""Messages as dictionaries, YAML and lines of values."""
+"""Stand-in for ``rosidl_runtime_py.convert``: messages as YAML, as mappings and as comma-separated values."""
 
+import array
+import sys
 from collections import OrderedDict
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import yaml
 
-_Shown = Any  # of a message: numbers, strings, lists, dictionaries
+_ARRAYS = (list, tuple, array.array, np.ndarray)
 
 
-def message_to_ordereddict(
-    msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
-) -> "OrderedDict[str, _Shown]":
-    """Return a message as a dictionary of dictionaries, lists, numbers and strings.
+@dataclass(frozen=True)
+class _Short:
+    """How much is left out."""
 
-    Args:
-        msg: The message.
-        truncate_length: The longest length of a string or sequence; ``...`` follows what is cut.
-        no_arr: Whether sequences are told by their lengths only.
-        no_str: Whether strings are told by their lengths only.
-    """
-    found: OrderedDict[str, _Shown] = OrderedDict()
-    for name, kind in msg.get_fields_and_field_types().items():
-        found[name] = _value(getattr(msg, name), kind, truncate_length, no_arr, no_str)
-    return found
+    length: int | None = None
+    arrays: bool = False
+    strings: bool = False
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes mappings in their order."""
+
+
+_Dumper.add_representer(OrderedDict, lambda dumper, data: dumper.represent_dict(data.items()))
+
+
+def get_message_slot_types(msg: Any) -> "OrderedDict[str, str]":
+    """Return the type of each field; here it is the text of its definition."""
+    return OrderedDict(msg.get_fields_and_field_types())
 
 
 def message_to_yaml(
@@ -33,56 +42,70 @@ def message_to_yaml(
     no_str: bool = False,
     flow_style: bool = False,
 ) -> str:
-    """Return a message as YAML; see `message_to_ordereddict`."""
-    found = message_to_ordereddict(msg, truncate_length=truncate_length, no_arr=no_arr, no_str=no_str)
-    text: str = yaml.safe_dump(
-        _plain(found), sort_keys=False, allow_unicode=True, width=float("inf"), default_flow_style=flow_style
-    )
-    return text
+    data = message_to_ordereddict(msg, truncate_length=truncate_length, no_arr=no_arr, no_str=no_str)
+    options: dict[str, Any] = {"allow_unicode": True, "width": sys.maxsize, "default_flow_style": flow_style}
+    return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, **options))
 
 
 def message_to_csv(msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False) -> str:
-    """Return the values of a message in one line, with commas between them; see `message_to_ordereddict`."""
-    found = message_to_ordereddict(msg, truncate_length=truncate_length, no_arr=no_arr, no_str=no_str)
-    return _line(found)
+    short = _Short(truncate_length, no_arr, no_str)
+    return ",".join(_text(getattr(msg, name), short, kind) for name, kind in get_message_slot_types(msg).items())
 
 
-def _value(value: Any, kind: str, longest: int | None, no_arr: bool, no_str: bool) -> _Shown:
-    if hasattr(value, "get_fields_and_field_types"):
-        return message_to_ordereddict(value, truncate_length=longest, no_arr=no_arr, no_str=no_str)
-    if isinstance(value, str | bytes):
-        text = value if isinstance(value, str) else value.decode("latin-1")
-        if no_str and isinstance(value, str):
-            return f"<string length: <{len(text)}>>"
-        return text if longest is None or len(text) <= longest else text[:longest] + "..."
+def message_to_ordereddict(
+    msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
+) -> "OrderedDict[str, Any]":
+    short = _Short(truncate_length, no_arr, no_str)
+    kinds = get_message_slot_types(msg)
+    return OrderedDict((name, _plain(getattr(msg, name), short, kind)) for name, kind in kinds.items())
+
+
+def _plain(value: Any, short: _Short, kind: str = "") -> Any:
+    """Return a value as YAML and JSON have it."""
+    if isinstance(value, bytes):
+        text = "".join(map(chr, value))
+        return text if short.length is None or len(value) <= short.length else text[: short.length] + "..."
+    if isinstance(value, str):
+        return _shortened(value, short)
+    if isinstance(value, _ARRAYS):
+        if short.arrays and kind:
+            return _kind_of(value, kind)
+        own = tuple if isinstance(value, tuple) else list
+        items = [_plain(item, short) for item in value[: short.length]]
+        return own(items + (["..."] if short.length is not None and len(value) > short.length else []))
+    if isinstance(value, np.generic):
+        return value.item()
     if isinstance(value, bool | int | float):
         return value
-    items = value.tolist() if hasattr(value, "tolist") else list(value)
-    if no_arr:
-        element = kind.removeprefix("sequence<").rstrip(">").partition("[")[0].partition(",")[0]
-        is_sequence = kind.startswith("sequence")
-        return f"<sequence type: {element}, length: {len(items)}>" if is_sequence else f"<array type: {kind}>"
-    shown = items if longest is None else items[:longest]
-    found = [_value(each, "", longest, no_arr, no_str) for each in shown]
-    return found if len(shown) == len(items) else [*found, "..."]
+    if isinstance(value, Mapping):
+        return {_plain(key, _Short()): _plain(item, short) for key, item in value.items()}
+    return message_to_ordereddict(value, truncate_length=short.length, no_arr=short.arrays, no_str=short.strings)
 
 
-def _plain(value: _Shown) -> _Shown:
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    return [_plain(each) for each in value] if isinstance(value, list) else value
-
-
-def _line(value: _Shown) -> str:
-    """Return values with commas between them, none before the first that is not empty."""
-    if not isinstance(value, dict | list):
+def _text(value: Any, short: _Short, kind: str = "") -> str:
+    if isinstance(value, _ARRAYS):
+        if short.arrays and kind:
+            return _kind_of(value, kind)
+        items = [_text(item, short) for item in value[: short.length]]
+        return ",".join(items + (["..."] if short.length is not None and len(value) > short.length else []))
+    if isinstance(value, str):
+        return _shortened(value, short)
+    if isinstance(value, bytes):
+        return str(value if short.length is None or len(value) <= short.length else value[: short.length] + b"...")
+    if isinstance(value, bool | int | float | np.number):
         return str(value)
-    found = ""
-    for each in value.values() if isinstance(value, dict) else value:
-        found += ("," if found else "") + _line(each)
-    return found
+    return message_to_csv(value, truncate_length=short.length, no_arr=short.arrays, no_str=short.strings)
 
 
-def get_message_slot_types(msg: Any) -> dict[str, str]:
-    """Return the type of each field; here it is the text of its definition."""
-    return dict(msg.get_fields_and_field_types())
+def _shortened(text: str, short: _Short) -> str:
+    if short.strings:
+        return f"<string length: <{len(text)}>>"
+    return text if short.length is None or len(text) <= short.length else text[: short.length] + "..."
+
+
+def _kind_of(value: Any, kind: str) -> str:
+    """Return the type of an array, in place of its items."""
+    inner, _, bound = kind.removeprefix("sequence<").removesuffix(">").partition(", ")
+    if kind.startswith("sequence<"):
+        return f"<sequence type: {inner}{f'[{bound}]' if bound else ''}, length: {len(value)}>"
+    return f"<array type: {kind}>"
