@@ -9,6 +9,7 @@ from typing import Any
 
 _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
+_WITHOUT_A_LIST = ("rclpy._rclpy_pybind11", "rclpy.clock_type", "rclpy.impl", "rclpy.type_hash")
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
 _LAUNCH = frozenset(("launch", "launch_ros", "launch_xml", "launch_yaml", "moveit_configs_utils", "nav2_common"))
@@ -29,6 +30,8 @@ def stand_in(name: str) -> ModuleType | None:
         return _module_of_launch_files(name)
     if root not in ROOTS:
         return None
+    if root == "rclpy" and name not in exports() and name not in _WITHOUT_A_LIST:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
     path = _FOLDER.joinpath(*name.split("."))
     if not path.with_suffix(".py").is_file() and not (path / "__init__.py").is_file():
         raise ModuleNotFoundError(f"No module named {name!r}", name=name)
@@ -51,9 +54,9 @@ def exports() -> Mapping[str, Mapping[str, str]]:
     return found
 
 
-def _is_submodule(module: ModuleType, name: str) -> bool:
-    """Return whether a name of a package is a module of it that has been imported meanwhile, as in Python."""
-    return isinstance(vars(module).get(name), ModuleType)
+def _is_open(module: ModuleType, name: str) -> bool:
+    """Return whether a module makes its names itself, or a name is a module of it that has been imported meanwhile."""
+    return "__getattr__" in vars(module) or isinstance(vars(module).get(name), ModuleType)
 
 
 def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
@@ -68,10 +71,8 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
         if source is not None and source != name:
             home = importlib.import_module(source if source in ("typing", "threading") else f"{__package__}.{source}")
             value = getattr(home, wanted)
-        elif source is not None or wanted.startswith("_") or wanted in more or _is_submodule(own, wanted):
+        elif source is not None or wanted.startswith("_") or wanted in more or _is_open(own, wanted):
             value = getattr(own, wanted)
-        elif "__getattr__" in vars(own):
-            value = vars(own)["__getattr__"](wanted)
         else:
             raise AttributeError(f"module {name!r} has no attribute {wanted!r}")
         if isinstance(value, ModuleType) and value.__name__ == f"{__package__}.{name}.{wanted}":

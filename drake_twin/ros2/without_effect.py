@@ -57,7 +57,6 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
         "rclpy.callback_groups.ReentrantCallbackGroup.ending_execution(entity)",
         "rclpy.lifecycle.SimpleManagedEntity.on_activate(state)",
         "rclpy.lifecycle.SimpleManagedEntity.on_deactivate(state)",
-        "rclpy.event_handler.EventHandler.is_ready(wait_set)",
         *(
             f"rclpy.lifecycle.{kind}.on_{transition}(state)"
             for kind in ("ManagedEntity",)
@@ -84,8 +83,17 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
         "rclpy.node.Node.get_publisher_names_and_types_by_node(no_demangle)",
         "rclpy.node.Node.get_subscriber_names_and_types_by_node(no_demangle)",
     ),
-    "a result is kept as long as its server": ("rclpy.action.ActionServer(result_timeout)",),
-    "all clocks show simulated time": ("rclpy.clock.ROSClock(clock_type)",),
+    "a result is kept as long as its server": (
+        "rclpy.action.ActionServer(result_timeout)",
+        "rclpy.action.ActionServer.notify_goal_done",
+    ),
+    "the graph tells it of its events, and an executor asks it without a wait set": (
+        *(
+            f"rclpy.{kind}.{member}"
+            for kind in ("action.ActionClient", "action.ActionServer", "event_handler.EventHandler")
+            for member in ("add_to_wait_set", "add_to_wait_set(wait_set)", "is_ready(wait_set)")
+        ),
+    ),
     "a context has nothing that is left after its shutdown": ("rclpy.Context.destroy",),
     "one thread of a program runs at a time, and none has to be waited for": (
         "rclpy.executors.Executor.shutdown(timeout_sec)",

@@ -5,19 +5,23 @@ import pytest
 from drake_twin.nodes.rclpy.duration import Duration
 
 
-def test_spans_are_compared_and_computed_with():
+def test_spans_are_compared():
     one, two = Duration(seconds=1), Duration(nanoseconds=2_000_000_000)
     assert one == Duration(nanoseconds=10**9)
     assert one != two
     assert one != 10**9
-    assert hash(one) == hash(Duration(seconds=1.0))
     assert (one < two, two < one, one < Duration(seconds=1)) == (True, False, False)
     assert (one <= two, two <= one, one <= Duration(seconds=1)) == (True, False, True)
     assert (two > one, one > two, one > Duration(seconds=1)) == (True, False, False)
     assert (two >= one, one >= two, one >= Duration(seconds=1)) == (True, False, True)
-    assert (one + two, two - one, one * 2, two * 0.5) == (Duration(seconds=3), one, two, one)
     with pytest.raises(TypeError):
         assert one < 3
+
+
+@pytest.mark.parametrize("act", [lambda one: one + one, lambda one: one - one, lambda one: one * 2, hash])
+def test_jazzy_does_not_compute_with_spans(act):
+    with pytest.raises(TypeError):
+        act(Duration(seconds=1))
 
 
 def test_a_span_is_whole_nanoseconds_of_64_bits():

@@ -40,7 +40,7 @@ def test_a_node_that_raises(tmp_path, capsys, text, why):
     file = script(tmp_path, "f.py", text)
     with running(file, script(tmp_path, "witness.py", WITNESS)) as twin:
         twin.advance_to(0.25)
-        not_initialized = "('rclpy.init() has not been called', 'cannot create node')"
+        not_initialized = "rclpy.init() has not been called. msg:cannot create node"
         expected = why.format(file=file, not_initialized=not_initialized)
         assert failed(twin).replace(f"({file.name}, line 1)", "(f.py, line 1)") == f"node f.py: {expected}"
     assert lines(capsys) == ["here 100", "here 200"]

@@ -181,10 +181,3 @@ print([item.level for item in ask("get_logger_levels", GetLoggerLevels.Request(n
 
 def test_the_levels_of_loggers_are_asked_for_and_set(tmp_path, capsys):
     assert ran(tmp_path, capsys, LEVELS, 0.5) == (["[True]", "[40]"], ())
-
-
-def test_a_goal_of_an_action_takes_no_result_with_its_end(tmp_path, capsys):
-    """Jazzy's ``succeed`` has no argument, and a later one's would be lost."""
-    text = "import inspect\nfrom rclpy.action.server import ServerGoalHandle as Goal\n"
-    text += "print([str(inspect.signature(end)) for end in (Goal.succeed, Goal.abort, Goal.canceled)])"
-    assert ran(tmp_path, capsys, text) == (["['(self) -> None', '(self) -> None', '(self) -> None']"], ())

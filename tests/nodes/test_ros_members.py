@@ -76,7 +76,6 @@ def test_a_function_that_ignores_what_it_is_given_is_found(tmp_path, text, names
         ("rclpy.service.Service.send_response", "supported"),
         ("launch.LaunchService", "a finding"),
         ("rclpy.time_source.TimeSource", "supported"),
-        ("rclpy.signals.SignalHandlerGuardCondition", "absent"),
         ("launch.actions.ExecuteProcess.name", "supported"),  # by a base class
         ("rclpy.node.Node.no_such_member", "absent"),
     ],

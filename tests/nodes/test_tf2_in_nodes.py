@@ -66,7 +66,8 @@ def test_what_is_broadcast_is_heard(tmp_path, capsys):
     """A lookup in a callback waits in simulated time: for ever less than its time-out, as the listener has a thread."""
     text = """
 buffer = Buffer(node=node)
-listener = TransformListener(buffer, node, spin_thread=True)
+# A node is in one executor only, the last one: with this node, the thread would have nothing to spin any more.
+listener = TransformListener(buffer, Node("listener"), spin_thread=True)
 broadcaster, static = TransformBroadcaster(node), StaticTransformBroadcaster(node)
 static.sendTransform(stamped("tool", "tip", Time().to_msg(), 1.0))
 

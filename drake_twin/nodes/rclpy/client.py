@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Caller
@@ -12,6 +12,8 @@ from drake_twin.nodes.rclpy.service_introspection import Introspection
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.simulated_time import wait_until
 from drake_twin.nodes.task import present_task
+
+SrvType, SrvTypeRequest, SrvTypeResponse = TypeVar("SrvType"), TypeVar("SrvTypeRequest"), TypeVar("SrvTypeResponse")
 
 
 class ClientHandle(Handle):
@@ -98,6 +100,9 @@ class Client:
             future.set_executor(self.executor)
             future.set_result(given)
 
+    def get_pending_request(self, sequence_number: int) -> Future:
+        return self._pending[sequence_number]
+
     def remove_pending_request(self, future: Future) -> None:
         if future in self._pending:
             self._pending.remove(future)
@@ -127,9 +132,3 @@ class Client:
         self._answers.clear()
         self._impl.introspection.end()
         self._impl.destroy_when_not_in_use()
-
-    def __enter__(self) -> "Client":
-        return self
-
-    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
-        self.destroy()

@@ -12,6 +12,7 @@ from drake_twin.nodes.rclpy.clock_type import ClockType
 from drake_twin.nodes.rclpy.context import default_context
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.exceptions import NotInitializedException
+from drake_twin.nodes.rclpy.handle import Handle
 from drake_twin.nodes.rclpy.time import Time
 from drake_twin.nodes.task import present_task
 
@@ -77,7 +78,7 @@ class JumpHandle:
     def __enter__(self) -> "JumpHandle":
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
         self.unregister()
 
 
@@ -114,11 +115,19 @@ class Clock:
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> "Clock":
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
-        return super().__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
-
-    def __init__(self, *, clock_type: ClockType = ClockType.SYSTEM_TIME):
+        self = object.__new__(ROSClock if clock_type is ClockType.ROS_TIME and cls is Clock else cls)
         self._clock_type = clock_type
-        self.jump_handles: list[JumpHandle] = []
+        self.jump_handles = []
+        self._handle = Handle()
+        return self
+
+    _clock_type: ClockType
+    jump_handles: list[JumpHandle]
+    _handle: Handle
+
+    @property
+    def handle(self) -> Handle:
+        return self._handle
 
     @property
     def clock_type(self) -> ClockType:
@@ -183,13 +192,13 @@ class ROSClock(Clock):
     That of a node is active from the start, and follows the twin.
     """
 
-    def __new__(cls, *_: Any, **__: Any) -> "ROSClock":
-        return object.__new__(cls)
+    _is_active = False
+    _override: int | None = None
 
-    def __init__(self, *, clock_type: ClockType = ClockType.ROS_TIME):
-        super().__init__(clock_type=ClockType.ROS_TIME)
-        self._is_active = False
-        self._override: int | None = None
+    def __new__(cls) -> "ROSClock":
+        self = super().__new__(cls, clock_type=ClockType.ROS_TIME)
+        assert isinstance(self, ROSClock)
+        return self
 
     @property
     def ros_time_is_active(self) -> bool:

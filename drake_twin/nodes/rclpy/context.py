@@ -83,7 +83,7 @@ class Context:
         self.init()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
         self.try_shutdown()
 
 

@@ -25,43 +25,37 @@ class Duration:
         return f"Duration(nanoseconds={self.nanoseconds})"
 
     def __str__(self) -> str:
-        return "Infinite" if self == Infinite else f"{self.nanoseconds} nanoseconds"
+        return "Infinite" if self.nanoseconds == 2**63 - 1 else f"{self.nanoseconds} nanoseconds"
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Duration) and self.nanoseconds == other.nanoseconds
 
-    def __hash__(self) -> int:
-        return hash(self._nanoseconds)
-
     def __lt__(self, other: Any) -> bool:
         return self.nanoseconds < other.nanoseconds if isinstance(other, Duration) else NotImplemented
-
-    def __add__(self, other: Any) -> Any:
-        if isinstance(other, Duration):
-            return Duration(nanoseconds=self.nanoseconds + other.nanoseconds)
-        return NotImplemented
-
-    def __sub__(self, other: Any) -> Any:
-        if isinstance(other, Duration):
-            return Duration(nanoseconds=self.nanoseconds - other.nanoseconds)
-        return NotImplemented
-
-    def __mul__(self, factor: Any) -> Any:
-        if isinstance(factor, int | float):
-            return Duration(nanoseconds=self.nanoseconds * factor)
-        return NotImplemented
-
-    __rmul__ = __mul__
 
     def to_msg(self) -> Any:
         kind_of_message = message_class("builtin_interfaces/msg/Duration")
 
         seconds, nanoseconds = divmod(self.nanoseconds, S_TO_NS)
-        return kind_of_message(sec=seconds, nanosec=nanoseconds)
+        return kind_of_message(sec=seconds, nanosec=nanoseconds, check_fields=False)
+
+    def get_c_duration(self) -> "rcl_duration_t":
+        return rcl_duration_t(self._nanoseconds)
 
     @classmethod
     def from_msg(cls, msg: Any) -> "Duration":
+        if getattr(msg, "__ros_type__", "") != "builtin_interfaces/msg/Duration":
+            raise TypeError("Must pass a builtin_interfaces.msg.Duration object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)
+
+
+class rcl_duration_t:  # noqa: N801
+    """What stands for rcl's structure."""
+
+    def __init__(self, nanoseconds: int):
+        self.nanoseconds = nanoseconds
 
 
 Infinite = Duration(nanoseconds=2**63 - 1)

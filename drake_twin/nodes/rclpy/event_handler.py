@@ -1,40 +1,45 @@
 """Stand-in for ``rclpy.event_handler``: what publishers and subscriptions are told of their quality of service."""
 
+import inspect
 from collections.abc import Callable
 from dataclasses import fields, make_dataclass
-from enum import Enum
 from typing import Any
 
 from drake_twin.nodes.rclpy._rclpy_pybind11 import UnsupportedEventTypeError as UnsupportedEventTypeError
 from drake_twin.nodes.rclpy.logging import get_logger
+from drake_twin.nodes.rclpy.native import native_enum, unreadable
 from drake_twin.nodes.rclpy.qos_profiles import qos_policy_name_from_kind
+from drake_twin.nodes.rclpy.waitable import GraphWaitable
 
-
-class QoSPublisherEventType(Enum):
-    """The events of publishers."""
-
-    RCL_PUBLISHER_OFFERED_DEADLINE_MISSED = 0
-    RCL_PUBLISHER_LIVELINESS_LOST = 1
-    RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS = 2
-    RCL_PUBLISHER_INCOMPATIBLE_TYPE = 3
-    RCL_PUBLISHER_MATCHED = 4
-
-
-class QoSSubscriptionEventType(Enum):
-    """The events of subscriptions."""
-
-    RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED = 0
-    RCL_SUBSCRIPTION_LIVELINESS_CHANGED = 1
-    RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS = 2
-    RCL_SUBSCRIPTION_MESSAGE_LOST = 3
-    RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE = 4
-    RCL_SUBSCRIPTION_MATCHED = 5
+QoSPublisherEventType = native_enum(
+    "QoSPublisherEventType",
+    "The events of publishers.",
+    __name__,
+    RCL_PUBLISHER_OFFERED_DEADLINE_MISSED=0,
+    RCL_PUBLISHER_LIVELINESS_LOST=1,
+    RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS=2,
+    RCL_PUBLISHER_INCOMPATIBLE_TYPE=3,
+    RCL_PUBLISHER_MATCHED=4,
+)
+QoSSubscriptionEventType = native_enum(
+    "QoSSubscriptionEventType",
+    "The events of subscriptions.",
+    __name__,
+    RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED=0,
+    RCL_SUBSCRIPTION_LIVELINESS_CHANGED=1,
+    RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS=2,
+    RCL_SUBSCRIPTION_MESSAGE_LOST=3,
+    RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE=4,
+    RCL_SUBSCRIPTION_MATCHED=5,
+)
 
 
 def _status(name: str, *names: str) -> type:
     """Return the class of a status: counts, and how much each has changed since it was last told of."""
     changes = [f"{each}_change" for each in names if each.endswith("_count")]
-    return make_dataclass(name, [(each, int, 0) for each in (*names, *changes)], namespace={"__module__": __name__})
+    found = make_dataclass(name, [(each, int, 0) for each in (*names, *changes)], namespace={"__module__": __name__})
+    unreadable(vars(found)["__init__"])
+    return found
 
 
 QoSRequestedDeadlineMissedInfo = _status("QoSRequestedDeadlineMissedInfo", "total_count")
@@ -68,7 +73,7 @@ _OF_SUBSCRIPTIONS = {
 _EVENTS: dict[Any, tuple[str, type]] = {**_OF_PUBLISHERS, **_OF_SUBSCRIPTIONS}
 
 
-class EventHandler:
+class EventHandler(GraphWaitable):
     """Calls back with an event's status at the next spin.
 
     Raises:
@@ -78,13 +83,13 @@ class EventHandler:
     def __init__(self, *, callback_group: Any, callback: Callable[[Any], Any], event_type: Any, parent_impl: Any):
         if event_type not in _EVENTS:
             raise UnsupportedEventTypeError(f"{event_type.name}: types are compared before anything is sent")
-        self.callback_group, self.callback, self.event_type = callback_group, callback, event_type
+        super().__init__(callback_group)
+        self.callback, self.event_type = callback, event_type
         self._name, self._kind = _EVENTS[event_type]
         self._listeners = parent_impl.item.listeners
         self._listeners[self._name] = self._put
         self._status = self._kind()
         self._is_pending = False
-        callback_group.add_entity(self)
 
     def _put(self, changes: dict[str, Any]) -> None:
         status = self._status
@@ -96,7 +101,7 @@ class EventHandler:
                 setattr(status, name, change)
         self._is_pending = True
 
-    def is_ready(self, wait_set: Any = None) -> bool:
+    def is_ready(self, wait_set: Any) -> bool:
         return self._is_pending
 
     def take_data(self) -> Any:
@@ -105,8 +110,10 @@ class EventHandler:
         self._status = self._kind(**{name: 0 if name.endswith("_change") else value for name, value in values.items()})
         return self._kind(**values)
 
-    def execute(self, taken_data: Any = None) -> Any:
-        return self.callback(self.take_data() if taken_data is None else taken_data)
+    async def execute(self, taken_data: Any) -> None:
+        found = self.callback(taken_data)
+        if inspect.isawaitable(found):
+            await found
 
     def destroy(self) -> None:
         self._listeners.pop(self._name, None)
@@ -114,6 +121,9 @@ class EventHandler:
 
 class QoSEventHandler(EventHandler):
     """The older name."""
+
+    def __init__(self, *args: Any, **kwargs: Any):
+        super().__init__(*args, **kwargs)
 
 
 class _EventCallbacks:

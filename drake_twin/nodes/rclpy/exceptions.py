@@ -6,12 +6,15 @@ from drake_twin.nodes.rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandl
 
 
 class NotInitializedException(Exception):
-    def __init__(self, *args: Any) -> None:
-        super().__init__("rclpy.init() has not been called", *args)
+    def __init__(self, message: str | None = None) -> None:
+        super().__init__(f"rclpy.init() has not been called.{f' msg:{message}' if message else ''}")
 
 
 class NoTypeSupportImportedException(Exception):
     """Raised for a type without support; not raised here."""
+
+    def __init__(self) -> None:
+        super().__init__("no type_support imported")
 
 
 class NameValidationException(Exception):
@@ -41,46 +44,45 @@ class InvalidServiceNameException(NameValidationException):
 
 
 class ParameterException(Exception):
-    def __init__(self, error_msg: str, parameters: Any, *args: Any):
-        super().__init__(f"{error_msg}: {parameters}", *args)
-        self.parameters = parameters
+    def __init__(self, error_msg: str, parameters: Any):
+        super().__init__(f"{error_msg}: {parameters}")
 
 
 class ParameterNotDeclaredException(ParameterException):
-    def __init__(self, parameters: Any, *args: Any):
-        super().__init__("Invalid access to undeclared parameter(s)", parameters, *args)
+    def __init__(self, parameters: Any):
+        super().__init__("Invalid access to undeclared parameter(s)", parameters)
 
 
 class ParameterAlreadyDeclaredException(ParameterException):
-    def __init__(self, parameters: Any, *args: Any):
-        super().__init__("Parameter(s) already declared", parameters, *args)
+    def __init__(self, parameters: Any):
+        super().__init__("Parameter(s) already declared", parameters)
 
 
 class InvalidParameterException(ParameterException):
-    def __init__(self, parameter: Any, *args: Any):
-        super().__init__("Invalid parameter name", parameter, *args)
+    def __init__(self, parameter_name: Any):
+        super().__init__("Invalid parameter name", parameter_name)
 
 
 class InvalidParameterTypeException(ParameterException):
-    def __init__(self, desired_parameter: Any, expected_type: Any, *args: Any):
+    def __init__(self, desired_parameter: Any, expected_type: Any):
         name, value = desired_parameter.name, desired_parameter.value
         text = f"Trying to set parameter '{name}' to '{value}' of type '{desired_parameter.type_.name}'"
-        super().__init__(f"{text}, expecting type '{expected_type}'", name, *args)
+        super().__init__(f"{text}, expecting type '{expected_type}'", name)
 
 
 class InvalidParameterValueException(ParameterException):
-    def __init__(self, parameter: Any, value: Any, reason: str = ""):
+    def __init__(self, parameter: Any, value: Any, reason: str):
         super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)
 
 
 class ParameterImmutableException(ParameterException):
-    def __init__(self, parameter: Any, *args: Any):
-        super().__init__("Attempted to modify read-only parameter", parameter, *args)
+    def __init__(self, parameter_name: Any):
+        super().__init__("Attempted to modify read-only parameter", parameter_name)
 
 
 class ParameterUninitializedException(ParameterException):
-    def __init__(self, parameter_name: str, *args: Any):
-        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name, *args)
+    def __init__(self, parameter_name: str):
+        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name)
 
 
 class ROSInterruptException(Exception):

@@ -100,7 +100,7 @@ class Executor:
     def __enter__(self) -> "Executor":
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
         self.shutdown()
 
     def spin(self) -> None:
@@ -132,12 +132,7 @@ class Executor:
         """Return whether the callback group of something lets it be done."""
         return entity not in self._given and bool(entity.callback_group.can_execute(entity))
 
-    def wait_for_ready_callbacks(
-        self,
-        timeout_sec: Any = None,
-        nodes: Sequence[Any] | None = None,
-        condition: Callable[[], bool] = lambda: False,
-    ) -> tuple[Task, Any, Any]:
+    def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> tuple[Task, Any, Any]:
         """Wait for something to do; return it as a task, with what it is of and its node.
 
         Raises:
@@ -146,6 +141,14 @@ class Executor:
             ShutdownException: If the executor has been shut down.
             ExternalShutdownException: If the context has been shut down.
         """
+        return self._wait_for_ready_callbacks(*args, **kwargs)
+
+    def _wait_for_ready_callbacks(
+        self,
+        timeout_sec: Any = None,
+        nodes: Sequence[Any] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> tuple[Task, Any, Any]:
         work = self._next_work(_nanoseconds(timeout_sec), condition, self._nodes if nodes is None else nodes)
         if isinstance(work, Task):
             return work, None, None
@@ -277,6 +280,8 @@ class MultiThreadedExecutor(Executor):
 
     def __init__(self, num_threads: int | None = None, *, context: Any = None) -> None:
         super().__init__(context=context)
+        if num_threads is not None and num_threads <= 0:
+            raise ValueError("max_workers must be greater than 0")
         if num_threads == 1:
             warnings.warn(
                 "MultiThreadedExecutor is used with a single thread.\nUse the SingleThreadedExecutor instead.",

@@ -12,10 +12,12 @@ class GuardCondition:
     def __init__(self, callback: Callable[[], Any] | None, callback_group: Any, context: Any = None):
         self.callback, self.callback_group = callback, callback_group
         self._is_triggered = False
-        self.handle = WaitedHandle(self._take, lambda: self._is_triggered, self._take)
+        self._handle = WaitedHandle(self._take, lambda: self._is_triggered, self._take)
+
+    handle = property(lambda self: self._handle)
 
     def trigger(self) -> None:
-        self.handle.check()
+        self._handle.check()
         self._is_triggered = True
 
     def is_ready(self) -> bool:
@@ -29,4 +31,4 @@ class GuardCondition:
         return self.callback()  # type: ignore[misc]  # as rclpy, which lets a guard without one fail here
 
     def destroy(self) -> None:
-        self.handle.destroy_when_not_in_use()
+        self._handle.destroy_when_not_in_use()

@@ -39,13 +39,13 @@ class RcutilsLogger:
     def is_enabled_for(self, severity: int) -> bool:
         return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def log(self, message: str | None, severity: int, **options: Any) -> bool:
+    def log(self, message: str | None, severity: int, **kwargs: Any) -> bool:
         """Print a line, unless its level is too low or it comes too often.
 
         Args:
             message: The text.
             severity: Its level.
-            **options: ``once``, ``skip_first``, ``throttle_duration_sec`` (s) with ``throttle_time_source_type`` (a
+            **kwargs: ``once``, ``skip_first``, ``throttle_duration_sec`` (s) with ``throttle_time_source_type`` (a
                 clock), and ``name`` in place of the logger's.
 
         Raises:
@@ -54,8 +54,8 @@ class RcutilsLogger:
         """
         if not self.is_enabled_for(severity):
             return False
-        name = options.pop("name", self.name)
-        call = Call(name, LoggingSeverity(severity), options)
+        name = kwargs.pop("name", self.name)
+        call = Call(name, LoggingSeverity(severity), kwargs)
         frame = _caller()
         place = frame.f_code.co_name, frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
         known = self._calls.setdefault(place, call)
@@ -75,22 +75,22 @@ class RcutilsLogger:
             _publish(task, int(severity), name, message)
         return True
 
-    def debug(self, message: str, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.DEBUG, **options)
+    def debug(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.DEBUG, **kwargs)
 
-    def info(self, message: str, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.INFO, **options)
+    def info(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.INFO, **kwargs)
 
-    def warning(self, message: str, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.WARN, **options)
+    def warning(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.WARN, **kwargs)
 
     warn = warning
 
-    def error(self, message: str, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.ERROR, **options)
+    def error(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.ERROR, **kwargs)
 
-    def fatal(self, message: str, **options: Any) -> bool:
-        return self.log(message, LoggingSeverity.FATAL, **options)
+    def fatal(self, message: str, **kwargs: Any) -> bool:
+        return self.log(message, LoggingSeverity.FATAL, **kwargs)
 
 
 def get_logger(name: str) -> RcutilsLogger:

@@ -20,6 +20,7 @@ from drake_twin.nodes.rclpy.names import check_name, check_namespace, check_node
 from drake_twin.nodes.rclpy.node_graph import NodeGraph
 from drake_twin.nodes.rclpy.node_parameters import NodeParameters
 from drake_twin.nodes.rclpy.parameter import Parameter
+from drake_twin.nodes.rclpy.parameter_ranges import PARAM_REL_TOL
 from drake_twin.nodes.rclpy.parameter_service import ParameterService
 from drake_twin.nodes.rclpy.publisher import Publisher, PublisherHandle
 from drake_twin.nodes.rclpy.qos_overriding_options import override_by_parameters
@@ -36,11 +37,15 @@ from drake_twin.ros2.ros_arguments import RosArguments, parameters_of
 from drake_twin.twin.event_topics import PARAMETER_EVENTS
 
 HIDDEN_NODE_PREFIX = "_"
+MsgType = TypeVar("MsgType")
+SrvType, SrvTypeRequest, SrvTypeResponse = TypeVar("SrvType"), TypeVar("SrvTypeRequest"), TypeVar("SrvTypeResponse")
 _Item = TypeVar("_Item")
 
 
 class Node(NodeParameters, NodeGraph):
     """A node of the graph that node programs and the twin share."""
+
+    PARAM_REL_TOL = PARAM_REL_TOL
 
     def __init__(
         self,
@@ -105,7 +110,7 @@ class Node(NodeParameters, NodeGraph):
                 self._declare_quickly(name, True, read_only=read_only)
         self.add_waitable(self._jumps)
         if start_parameter_services:
-            ParameterService(self, self._graph)
+            ParameterService(self)
         if enable_logger_service:
             LoggingService(self)
         TypeDescriptionService(self)
@@ -127,9 +132,11 @@ class Node(NodeParameters, NodeGraph):
 
     @executor.setter
     def executor(self, executor: Any) -> None:
-        if self._executor is not None and self._executor is not executor:
-            self._executor.remove_node(self)
-        self._executor = executor
+        before, self._executor = self._executor, executor
+        if executor is before:
+            return
+        if before is not None:
+            before.remove_node(self)
         if executor is not None:
             executor.add_node(self)
 
@@ -343,12 +350,6 @@ class Node(NodeParameters, NodeGraph):
         self._handle.destroy_when_not_in_use()
         if self._executor is not None:
             self._executor.remove_node(self)
-
-    def __enter__(self) -> "Node":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy_node()
 
     # -----------------------------------------------------------------------------------------------------------------
 

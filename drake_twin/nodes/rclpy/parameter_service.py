@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 from drake_twin.nodes import message_classes
-from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import Offer
 from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
@@ -21,8 +20,8 @@ class ParameterService:
     Source: ros2/rclpy (jazzy), rclpy/rclpy/parameter_service.py.
     """
 
-    def __init__(self, node: Any, graph: Graph):
-        self._node, self._graph = node, graph
+    def __init__(self, node: Any):
+        self._node, self._graph = node, node.handle.graph
         self.callback_group = node.default_callback_group
         self._requests: deque[tuple[str, Any, Callable[[Any], None]]] = deque()
         own = node.get_fully_qualified_name()

@@ -1,7 +1,7 @@
 """Stand-in for ``rclpy.publisher``."""
 
 from collections import deque
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Publication
@@ -10,6 +10,8 @@ from drake_twin.nodes.rclpy.event_handler import PublisherEventCallbacks
 from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
 from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import present_task
+
+MsgType = TypeVar("MsgType")
 
 
 class PublisherHandle(Handle):
@@ -91,9 +93,3 @@ class Publisher:
         for handler in self.event_handlers:
             handler.destroy()
         self._impl.destroy_when_not_in_use()
-
-    def __enter__(self) -> "Publisher":
-        return self
-
-    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
-        self.destroy()

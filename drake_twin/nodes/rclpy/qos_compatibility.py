@@ -3,11 +3,11 @@
 Source: ros2/rmw_dds_common (jazzy), rmw_dds_common/src/qos.cpp; eclipse-cyclonedds, ddsi_qosmatch.c.
 """
 
-from enum import Enum
 from typing import Any
 
 from drake_twin.nodes.rclpy._rclpy_pybind11 import rmw_qos_policy_kind_t as rmw_qos_policy_kind_t
 from drake_twin.nodes.rclpy.duration import Duration
+from drake_twin.nodes.rclpy.native import native_enum
 from drake_twin.nodes.rclpy.qos_profiles import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -125,15 +125,12 @@ def check(publisher: QoSProfile, subscription: QoSProfile) -> tuple[list[str], l
 _WEAK = (_LOSSY, DurabilityPolicy.VOLATILE, LivelinessPolicy.AUTOMATIC)
 
 
-class QoSCompatibility(Enum):
-    """Whether a publisher's and a subscription's settings fit."""
-
-    OK = 0
-    WARNING = 1
-    ERROR = 2
+QoSCompatibility = native_enum(
+    "QoSCompatibility", "Whether a publisher's and a subscription's settings fit.", __name__, OK=0, WARNING=1, ERROR=2
+)
 
 
-def qos_check_compatible(publisher_qos: QoSProfile, subscription_qos: QoSProfile) -> tuple[QoSCompatibility, str]:
+def qos_check_compatible(publisher_qos: QoSProfile, subscription_qos: QoSProfile) -> tuple[Any, str]:
     errors, warned = check(publisher_qos, subscription_qos)
     kind = QoSCompatibility.ERROR if errors else QoSCompatibility.WARNING if warned else QoSCompatibility.OK
     return kind, "".join([f"ERROR: {text};" for text in errors] or [f"WARNING: {text};" for text in warned])

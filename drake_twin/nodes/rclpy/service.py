@@ -3,13 +3,15 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Offer
 from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
 from drake_twin.nodes.rclpy.service_introspection import Introspection
 from drake_twin.nodes.task import present_task
+
+SrvType, SrvTypeRequest, SrvTypeResponse = TypeVar("SrvType"), TypeVar("SrvTypeRequest"), TypeVar("SrvTypeResponse")
 
 
 class ServiceHandle(Handle):
@@ -95,9 +97,3 @@ class Service:
     def destroy(self) -> None:
         self._impl.introspection.end()
         self._impl.destroy_when_not_in_use()
-
-    def __enter__(self) -> "Service":
-        return self
-
-    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
-        self.destroy()

@@ -1,17 +1,18 @@
 """Stand-in for ``rclpy.service_introspection``, and the events that services and clients publish."""
 
-from enum import Enum
 from typing import Any
 
 from drake_twin.nodes.message_classes import message_class
+from drake_twin.nodes.rclpy.native import native_enum
 
-
-class ServiceIntrospectionState(Enum):
-    """What is published of requests and responses."""
-
-    OFF = 0
-    METADATA = 1
-    CONTENTS = 2
+ServiceIntrospectionState = native_enum(
+    "ServiceIntrospectionState",
+    "What is published of requests and responses.",
+    __name__,
+    OFF=0,
+    METADATA=1,
+    CONTENTS=2,
+)
 
 
 _KINDS = ("REQUEST_SENT", "REQUEST_RECEIVED", "RESPONSE_SENT", "RESPONSE_RECEIVED")
@@ -36,7 +37,9 @@ class Introspection:
     def configure(self, clock: Any, profile: Any, state: Any) -> None:
         """Set what is published, with which quality of service."""
         self.end()
-        self._state, self._clock = ServiceIntrospectionState(state), clock
+        if not isinstance(state, ServiceIntrospectionState):
+            raise TypeError(f"configure_introspection(): incompatible function arguments: {state!r}")
+        self._state, self._clock = state, clock
         if self._state is not ServiceIntrospectionState.OFF:
             self._publisher = self._node.node.create_publisher(self._type.Event, self._topic, profile)
 

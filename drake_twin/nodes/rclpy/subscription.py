@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from enum import Enum
 from math import inf
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Reception
@@ -14,6 +14,8 @@ from drake_twin.nodes.rclpy.event_handler import SubscriptionEventCallbacks
 from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
 from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import Task, present_task
+
+MsgType = TypeVar("MsgType")
 
 
 class SubscriptionHandle(Handle):
@@ -123,12 +125,6 @@ class Subscription:
             handler.destroy()
         self._messages.clear()
         self._impl.destroy_when_not_in_use()
-
-    def __enter__(self) -> "Subscription":
-        return self
-
-    def __exit__(self, exc_type: Any, exc_val: Any, exc_tb: Any) -> None:
-        self.destroy()
 
 
 def _takes_info(callback: Callable[..., Any]) -> bool:

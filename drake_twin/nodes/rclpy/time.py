@@ -44,8 +44,7 @@ class Time:
     def __repr__(self) -> str:
         return f"Time(nanoseconds={self.nanoseconds}, clock_type={self.clock_type.name})"
 
-    def __hash__(self) -> int:
-        return hash(self._nanoseconds)
+    __hash__ = None  # type: ignore[assignment]
 
     def __add__(self, other: Any) -> Any:
         if isinstance(other, Duration):
@@ -78,7 +77,7 @@ class Time:
         kind_of_message = message_class("builtin_interfaces/msg/Time")
 
         seconds, nanoseconds = self.seconds_nanoseconds()
-        return kind_of_message(sec=seconds, nanosec=nanoseconds)
+        return kind_of_message(sec=seconds, nanosec=nanoseconds, check_fields=False)
 
     @classmethod
     def from_msg(cls, msg: Any, clock_type: ClockType = ClockType.ROS_TIME) -> "Time":

@@ -30,22 +30,25 @@ class Timer:
         context: Any = None,
         autostart: bool = True,
     ):
-        self.callback, self.callback_group, self.clock = callback, callback_group, clock
+        self.callback, self.callback_group, self._clock = callback, callback_group, clock
         self._period = int(timer_period_ns)
         self._task: Task = present_task()
         self._last = self._task.now
         self._next = self._later(self._last + self._period)
         self._is_canceled = not autostart
-        self.handle = WaitedHandle(lambda: setattr(self, "_is_canceled", True), self.is_ready)
+        self._handle = WaitedHandle(lambda: setattr(self, "_is_canceled", True), self.is_ready)
+
+    handle = property(lambda self: self._handle)
+    clock = property(lambda self: self._clock)
 
     @property
     def timer_period_ns(self) -> int:
-        self.handle.check()
+        self._handle.check()
         return self._period
 
     @timer_period_ns.setter
     def timer_period_ns(self, value: int) -> None:
-        self.handle.check()
+        self._handle.check()
         self._period = int(value)
         self._next = self._later(self._last + self._period)
 
@@ -65,11 +68,11 @@ class Timer:
         return self.callback()  # type: ignore[misc]  # as rclpy, which lets a timer without one fail here
 
     def cancel(self) -> None:
-        self.handle.check()
+        self._handle.check()
         self._is_canceled = True
 
     def reset(self) -> None:
-        self.handle.check()
+        self._handle.check()
         self._is_canceled = False
         self._next = self._later(present_task().now + self._period)
 
@@ -79,19 +82,19 @@ class Timer:
         self._next = self._later(self._last + self._period)
 
     def is_canceled(self) -> bool:
-        self.handle.check()
+        self._handle.check()
         return self._is_canceled
 
     def time_since_last_call(self) -> int:
-        self.handle.check()
+        self._handle.check()
         return present_task().now - self._last
 
     def time_until_next_call(self) -> int | None:
-        self.handle.check()
+        self._handle.check()
         return None if self._is_canceled else int(self._next - present_task().now)
 
     def destroy(self) -> None:
-        self.handle.destroy_when_not_in_use()
+        self._handle.destroy_when_not_in_use()
 
     def _later(self, time: int) -> int:
         return time if time > self._task.limit else max(time, self._task.after)

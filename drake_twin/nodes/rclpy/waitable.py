@@ -1,5 +1,7 @@
 """Stand-in for ``rclpy.waitable``: things of a user's own that an executor waits for."""
 
+import inspect
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -102,7 +104,7 @@ class Waitable:
     def __enter__(self) -> None:
         pass
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
         pass
 
     def add_future(self, future: Any) -> None:
@@ -128,6 +130,39 @@ class Waitable:
 
     def add_to_wait_set(self, wait_set: Any) -> None:
         raise NotImplementedError("Must be implemented by subclass")
+
+
+class GraphWaitable(Waitable):
+    """A waitable of rclpy's own, for which the graph puts events.
+
+    Args:
+        callback_group: Its group.
+    """
+
+    def __init__(self, callback_group: Any):
+        super().__init__(callback_group)
+        self._events: deque[Callable[[], Any]] = deque()
+
+    def put(self, event: Callable[[], Any]) -> None:
+        """Let something happen at the next spin."""
+        self._events.append(event)
+
+    def is_ready(self, wait_set: Any) -> bool:
+        return bool(self._events)
+
+    def take_data(self) -> Any:
+        return self._events.popleft()
+
+    async def execute(self, taken_data: Any) -> None:
+        found = taken_data()
+        if inspect.isawaitable(found):
+            await found
+
+    def get_num_entities(self) -> NumberOfEntities:
+        return NumberOfEntities()
+
+    def add_to_wait_set(self, wait_set: Any) -> None:
+        """Do nothing: the graph puts its events."""
 
 
 class Waiting:

@@ -1,6 +1,5 @@
 """Stand-in for ``rclpy.action.client``."""
 
-from collections import deque
 from collections.abc import Callable
 from functools import partial
 from operator import attrgetter
@@ -14,6 +13,7 @@ from drake_twin.nodes.rclpy.action.graph import action_full_name
 from drake_twin.nodes.rclpy.handle import Handle
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.rclpy.type_support import check_is_valid_action_type
+from drake_twin.nodes.rclpy.waitable import GraphWaitable
 from drake_twin.nodes.simulated_time import wait_until
 from drake_twin.nodes.task import present_task
 
@@ -91,19 +91,19 @@ class _Goal:
     def _heard(self, feedback: Any) -> Any:
         assert self._feedback is not None
         name = f"{self._client.type}_Feedback"
-        kind = self._client.action_type.Impl.FeedbackMessage
+        kind = self._client._action_type.Impl.FeedbackMessage
         return self._feedback(kind(goal_id=self._goal_id, feedback=message_classes.from_wire(name, feedback)))
 
     def _ended(self, status: int, result: Any) -> None:
-        empty = self._client.action_type.Result
+        empty = self._client._action_type.Result
         message = empty() if result is None else message_classes.from_wire(f"{self._client.type}_Result", result)
         if self.handle is not None:
             self.handle._status = status
-        kind = self._client.action_type.Impl.GetResultService.Response
+        kind = self._client._action_type.Impl.GetResultService.Response
         self.result_future.set_result(kind(status=status, result=message))
 
 
-class ActionClient:
+class ActionClient(GraphWaitable):
     """Sends goals to an action."""
 
     def __init__(
@@ -120,32 +120,21 @@ class ActionClient:
         status_sub_qos_profile: Any = None,
     ):
         check_is_valid_action_type(action_type)
-        self.node, self.action_type = node, action_type
-        self.callback_group = callback_group or node.default_callback_group
+        super().__init__(callback_group or node.default_callback_group)
+        self.node, self._action_type = node, action_type
         self.name = action_full_name(node, action_name, "client")
         self._handle = Handle(self._end, self.name)
         self.type = message_classes.type_name(action_type)
-        self._events: deque[Callable[[], Any]] = deque()
         self._actions = node.actions
         self._count = 0
         self._outside = self._actions.call(self.name, self.type, node.get_fully_qualified_name())
         present_task().program.belongings.append(self._outside)
         node.add_waitable(self)
 
-    def put(self, event: Callable[[], Any]) -> None:
-        """Let something happen at the next spin."""
-        self._events.append(event)
-
-    def is_ready(self) -> bool:
-        return bool(self._events)
-
-    def execute(self) -> Any:
-        return self._events.popleft()()
-
     def send_goal(self, goal: Any, **kwargs: Any) -> Any:
         """Send a goal, and wait for its result while another thread spins."""
-        if not isinstance(goal, self.action_type.Goal):
-            raise TypeError(f"Expected {self.action_type.Goal}, got {type(goal)}")
+        if not isinstance(goal, self._action_type.Goal):
+            raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
         handle = self.waited(self.send_goal_async(goal, **kwargs))
         return self.waited(handle.get_result_async()) if handle.accepted else None
 
@@ -153,8 +142,8 @@ class ActionClient:
         self, goal: Any, feedback_callback: Callable[[Any], Any] | None = None, goal_uuid: Any = None
     ) -> Future:
         task = present_task()
-        if not isinstance(goal, self.action_type.Goal):
-            raise TypeError(f"Expected {self.action_type.Goal}, got {type(goal)}")
+        if not isinstance(goal, self._action_type.Goal):
+            raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
         self._handle.check()
         goal_id = goal_uuid or new_goal_id(task.program.rclpy, task.program.index)
         sent = _Goal(self, goal_id, feedback_callback)
@@ -192,12 +181,6 @@ class ActionClient:
     def _end(self) -> None:
         self.node.remove_waitable(self)
         self._actions.withdraw(self._outside)
-
-    def __enter__(self) -> "ActionClient":
-        return self
-
-    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
-        self.destroy()
 
 
 def new_goal_id(known: dict[str, Any], index: int) -> Any:

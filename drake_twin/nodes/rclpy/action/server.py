@@ -1,7 +1,6 @@
 """Stand-in for ``rclpy.action.server``."""
 
 import inspect
-from collections import deque
 from collections.abc import Callable
 from enum import Enum
 from functools import partial
@@ -28,6 +27,7 @@ from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError
 from drake_twin.nodes.rclpy.action.graph import action_full_name
 from drake_twin.nodes.rclpy.handle import Handle
 from drake_twin.nodes.rclpy.type_support import check_is_valid_action_type
+from drake_twin.nodes.rclpy.waitable import GraphWaitable
 from drake_twin.nodes.task import present_task
 
 
@@ -123,7 +123,7 @@ def default_cancel_callback(cancel_request: Any) -> CancelResponse:
     return CancelResponse.REJECT
 
 
-class ActionServer:
+class ActionServer(GraphWaitable):
     """Executes goals."""
 
     def __init__(
@@ -146,14 +146,14 @@ class ActionServer:
     ):
         self.register_execute_callback(execute_callback)
         check_is_valid_action_type(action_type)
-        self.action_type, self.callback_group = action_type, callback_group or node.default_callback_group
+        super().__init__(callback_group or node.default_callback_group)
+        self._action_type = action_type
         self.name, self.node = action_full_name(node, action_name, "server"), node.get_fully_qualified_name()
         self._handle = Handle(self._end, self.name)
         self.type = message_classes.type_name(action_type)
         self._ros_node = node
         self._goal_callback = goal_callback
         self._accepted_callback, self._cancel_callback = handle_accepted_callback, cancel_callback
-        self._events: deque[Callable[[], Any]] = deque()
         self._handles: dict[bytes, ServerGoalHandle] = {}
         self._actions = node.actions
         self._actions.offer(self)
@@ -174,14 +174,8 @@ class ActionServer:
 
     # What the executor asks ------------------------------------------------------------------------------------------
 
-    def is_ready(self) -> bool:
-        return bool(self._events)
-
     async def _awaited(self, found: Any) -> Any:
         return await found if inspect.isawaitable(found) else found
-
-    def execute(self) -> Any:
-        return self._events.popleft()()
 
     async def _take_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
         request = message_classes.from_wire(f"{self.type}_Goal", goal)
@@ -206,6 +200,11 @@ class ActionServer:
 
     # What a goal asks ------------------------------------------------------------------------------------------------
 
+    action_type = property(attrgetter("_action_type"))
+
+    def notify_goal_done(self) -> None:
+        """Do nothing: a result is kept as long as its server."""
+
     def post(self, act: Callable[[], None]) -> None:
         """Let something happen in the next slot."""
         self._actions.post(act)
@@ -225,14 +224,14 @@ class ActionServer:
             result = await self._awaited(callback(handle))
         except Exception as error:
             logger.error(f"Error raised in execute callback: {error}")
-            result = self.action_type.Result()
+            result = self._action_type.Result()
         if handle.is_active:
             logger.warning(f"Goal state not set, assuming aborted. Goal ID: {list(handle._key)}")
             handle.abort()
         if result is None:
-            result = self.action_type.Result()
-        if not isinstance(result, self.action_type.Result):
-            raise TypeError(f"Expected {self.action_type.Result}, got {type(result)}")
+            result = self._action_type.Result()
+        if not isinstance(result, self._action_type.Result):
+            raise TypeError(f"Expected {self._action_type.Result}, got {type(result)}")
         handle._tell(result)
 
     def register_execute_callback(self, execute_callback: Callable[[Any], Any]) -> None:
@@ -255,9 +254,3 @@ class ActionServer:
     def _end(self) -> None:
         self._actions.withdraw(self)
         self._ros_node.remove_waitable(self)
-
-    def __enter__(self) -> "ActionServer":
-        return self
-
-    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
-        self.destroy()

@@ -3,21 +3,25 @@
 Source: ros2/rcl (jazzy), rcl_lifecycle/src/default_state_machine.c.
 """
 
-from enum import Enum
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError
+from drake_twin.nodes.rclpy.native import NativeEnum, unreadable
 
 
-class TransitionCallbackReturn(Enum):
+class TransitionCallbackReturn(NativeEnum):
     """How a transition ends."""
 
-    SUCCESS = 97
-    FAILURE = 98
-    ERROR = 99
+    SUCCESS: ClassVar["TransitionCallbackReturn"]
+    FAILURE: ClassVar["TransitionCallbackReturn"]
+    ERROR: ClassVar["TransitionCallbackReturn"]
 
+    @unreadable
     def to_label(self) -> str:
         return f"transition_{self.name.lower()}"
+
+
+TransitionCallbackReturn._add(SUCCESS=97, FAILURE=98, ERROR=99)
 
 
 class LifecycleState(NamedTuple):
