@@ -90,7 +90,7 @@ def put_pose(
         is_imu: Whether an IMU measures it, against a frame of the world.
 
     Returns:
-        Whether there is something: of the first pose there is no velocity.
+        Whether there is something: the first pose has no velocity.
     """
     R, offset = frame
     axes = rotation(0.0, 0.0, angles(R)[2]) if is_imu else R

@@ -77,7 +77,7 @@ def ranges_of_points(
     x, y, z = points.T
     ranges, directions = np.hypot(x, y), np.arctan2(y, x)
     counts = (z >= heights[0]) & (z <= heights[1]) & (ranges >= limits[0]) & (ranges <= limits[1])
-    counts &= (directions >= first) & (directions <= last)  # what is not a number is none of this
+    counts &= (directions >= first) & (directions <= last)  # a NaN compares as false
     places = ((directions[counts] - first) / step).astype(int)
     found = np.full(size, empty)
     is_inside = places < size

@@ -29,7 +29,7 @@ _LARGEST_FLOAT = float(np.finfo(np.float32).max)
 
 
 class Converter(Node):
-    """Hears one topic while somebody hears the other one.
+    """Converts one topic to another one while that has subscribers.
 
     Args:
         name: The name of the node.

@@ -18,7 +18,7 @@ _LOOK = 0.1  # s
 
 
 class Rectify(Node):
-    """Publishes ``image_rect``, while somebody hears it."""
+    """Publishes ``image_rect`` while it has subscribers."""
 
     def __init__(self) -> None:
         super().__init__("RectifyNode")
