@@ -81,8 +81,7 @@ class Nodes:
         self._turns.set_time(twin.time, twin.clock.time_step)
         self._folder_of = _folder_of(packages, found)
         sources = (stand_in, Interfaces(self._folder_of).source, PackageFolders(self._folder_of).source)
-        near = found
-        self._finder = NodeFinder(sources, self._folder_of, lambda: packages.packages_near(near))
+        self._finder = NodeFinder(sources, self._folder_of, lambda: packages.packages_near(found))
         self._is_open = False
         self.programs: list[Program] = []
         self._starts: dict[Program, _Start] = {}

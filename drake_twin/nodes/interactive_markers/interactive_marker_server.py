@@ -48,7 +48,7 @@ class InteractiveMarkerServer:
         self._new: dict[str, _Marker] = {}
         self._moved: dict[str, tuple[_Message, _Message]] = {}
         self._erased: dict[str, None] = {}
-        self._update = message_class("visualization_msgs/msg/InteractiveMarkerUpdate")
+        self._update: Any = message_class("visualization_msgs/msg/InteractiveMarkerUpdate")
         self.update_pub = node.create_publisher(self._update, f"{namespace}/update", update_pub_qos)
         heard = message_class("visualization_msgs/msg/InteractiveMarkerFeedback")
         self.feedback_sub = node.create_subscription(
