@@ -1,6 +1,7 @@
 """Topics of the graph, their classes, and profiles of quality of service by the command line's words."""
 
 import time
+from copy import copy
 from typing import Any
 
 from drake_twin.nodes.rclpy import ok
@@ -74,7 +75,7 @@ def profile_configure_short_keys(
 
 def qos_profile_from_short_keys(preset_profile: str, *arguments: Any, **options: Any) -> QoSProfile:
     """Return a profile by the name of a preset, changed as by `profile_configure_short_keys`."""
-    profile: QoSProfile = QoSPresetProfiles.get_from_short_key(preset_profile)
+    profile: QoSProfile = copy(QoSPresetProfiles.get_from_short_key(preset_profile))
     profile_configure_short_keys(profile, *arguments, **options)
     return profile
 
