@@ -50,7 +50,7 @@ def tap(twin: Twin, type_: str, topics: Callable[[str], bool], note: Callable[[s
 
     for publications in list(more.publications.values()):
         for publication in publications:
-            for message in list(publication.latched):
+            for message in publication.kept():
                 hear(publication, message)
     more.taps.append(hear)
     return lambda: more.taps.remove(hear)

@@ -53,6 +53,10 @@ class Publication(_Endpoint):
     asserted: int | None = None
     is_lost: bool = False
 
+    def kept(self) -> list[Any]:
+        """Return the messages that late subscribers get."""
+        return [message for message, _ in list(self.latched)]
+
 
 @dataclass(eq=False)
 class Reception(_Endpoint):

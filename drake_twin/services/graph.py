@@ -102,7 +102,7 @@ class GraphServices:
         """Yield the messages of node programs that late joiners get."""
         if self._graph is not None:
             for publication in self._graph.publications.get(topic, ()):
-                yield from publication.latched
+                yield from publication.kept()
 
     def wanted(self) -> Iterator["Caller"]:
         """Yield the services of other programs that node programs ask."""

@@ -82,4 +82,4 @@ def test_zenoh_that_is_not_installed(monkeypatch):
     with pytest.raises(InputError) as caught:
         open_session()
     assert str(caught.value).startswith("the ROS 2 graph needs eclipse-zenoh, which is not installed: `")
-    assert str(caught.value).endswith(" -m pip install 'eclipse-zenoh>=1.2'`.")
+    assert str(caught.value).endswith(" -m pip install 'eclipse-zenoh>=1.6.1'`.")
