@@ -73,7 +73,7 @@ def test_tests_that_import_a_module_by_its_name_belong_to_it():
     for tool in ("param", "control"):
         first = sampled_mutants.related_tests(f"tools/{tool}.py")[:2]
         assert set(first) == {"tests/tools/test_graph_tools.py", "tests/tools/test_tools.py"}
-    for module, test in (("qos", "qos"), ("clock", "rclpy_members")):
+    for module, test in (("qos", "qos"), ("clock", "node_clocks")):
         assert f"tests/nodes/test_{test}.py" in sampled_mutants.related_tests(f"nodes/rclpy/{module}.py")[:3]
 
 
