@@ -206,6 +206,7 @@ executor.spin()
     assert error.count("sys.exit(4) in a thread of an executor ends only the callback") == 3
 
 
+@pytest.mark.filterwarnings("ignore:There is no current event loop:DeprecationWarning")  # of Python 3.12 and later
 def test_asyncio_makes_a_loop_for_the_thread_that_a_node_begins_with(tmp_path, capsys):
     text = """
 import asyncio
