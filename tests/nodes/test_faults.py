@@ -30,7 +30,7 @@ def failed(twin) -> str:
         ("x = 1\nraise ValueError('no\\nway')", "ValueError: no way ({file}:2)"),
         ("import sys\nsys.exit(3)", "it has ended with exit code 3 ({file}:2)"),
         ("import sys\nsys.exit('no plan')", "it has ended with exit code no plan ({file}:2)"),
-        ("import nav2_simple_commander", "ModuleNotFoundError: No module named 'nav2_simple_commander' ({file}:1)"),
+        ("import nav3_commander", "ModuleNotFoundError: No module named 'nav3_commander' ({file}:1)"),
         ("import rclpy.nowhere", "ModuleNotFoundError: No module named 'rclpy.nowhere' ({file}:1)"),
         ("x = (", "SyntaxError: '(' was never closed (f.py, line 1) ({file}:1)"),
         ("import rclpy\nrclpy.create_node('n')", "NotInitializedException: {not_initialized} ({file}:2)"),
