@@ -9,7 +9,7 @@ PARAM_REL_TOL = 1e-6
 
 
 def out_of_range(parameter: Parameter, descriptor: Any) -> str:
-    """Return why a value is not in the range that its descriptor gives; empty if it is, or if there is none."""
+    """Return why a value is not in its descriptor's range; empty if it is, or without a range."""
     kind, value, name = parameter.type_, parameter.value, parameter.name
     if kind is Parameter.Type.INTEGER and descriptor.integer_range:
         lowest, highest, step = _bounds(descriptor.integer_range[0])

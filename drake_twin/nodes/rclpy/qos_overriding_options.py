@@ -17,7 +17,7 @@ def __getattr__(name: str) -> Any:
 
 
 class InvalidQosOverridesError(Exception):
-    """Raised if the program refuses what the parameters make of a profile."""
+    """Raised if the program refuses a profile that parameters have changed."""
 
 
 class QoSOverridingOptions:

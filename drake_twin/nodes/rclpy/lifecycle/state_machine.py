@@ -108,7 +108,7 @@ class StateMachine:
         """Make a transition, by its number or name; return it.
 
         Raises:
-            RCLError: If there is none from the present state.
+            RCLError: If the present state has no such transition.
         """
         for item in self.available:
             if key in (item.transition_id, item.label):
