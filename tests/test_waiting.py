@@ -20,8 +20,16 @@ ALLOWED = {
     "wires/rclpy_peer.py": "a program beside the twin, on the real rclpy",
 } | {
     f"nodes/rclpy_outcomes/{name}.py": "a node's program, recorded beside the real rclpy: it sleeps in simulated time"
-    for name in ("p06_timers", "p09_services", "p11_executors", "p16_actions", "p18_events", "p22_graph")
-    + ("p25_async", "p28_introspection")
+    for name in [
+        "p06_timers",
+        "p09_services",
+        "p11_executors",
+        "p16_actions",
+        "p18_events",
+        "p22_graph",
+        "p25_async",
+        "p28_introspection",
+    ]
 }
 
 
