@@ -18,18 +18,11 @@ ALLOWED = {
     "wires/rclpy_contract.py": "a program beside the twin, which runs on the real rclpy, too",
     "wires/rclpy_double/rclpy/impl/implementation_singleton.py": "it waits as rcl does, in a process of its own",
     "wires/rclpy_peer.py": "a program beside the twin, on the real rclpy",
-} | {
+}
+RECORDED = "p06_timers p09_services p11_executors p16_actions p18_events p22_graph p25_async p28_introspection"
+ALLOWED |= {
     f"nodes/rclpy_outcomes/{name}.py": "a node's program, recorded beside the real rclpy: it sleeps in simulated time"
-    for name in [
-        "p06_timers",
-        "p09_services",
-        "p11_executors",
-        "p16_actions",
-        "p18_events",
-        "p22_graph",
-        "p25_async",
-        "p28_introspection",
-    ]
+    for name in RECORDED.split()
 }
 
 
