@@ -170,15 +170,19 @@ def collecting_later() -> Iterator[None]:
 class _LogHandler(logging.Handler):
     """Shows log records of a running twin, such as a controller that is deactivated."""
 
+    shows_traceback = True  # of a node's error
+
     def emit(self, record: logging.LogRecord) -> None:
         text = f"{record.levelname.lower()}: {record.getMessage()}"
-        if record.exc_info:
+        if record.exc_info and self.shows_traceback:
             text += "\n" + logging.Formatter().formatException(record.exc_info)
         say(f"\r\033[K{text}" if sys.stdout is not None and sys.stdout.isatty() else text, sys.stderr)
 
 
 class _OthersLogHandler(_LogHandler):
     """Shows log records of libraries, in place of Drake's handler, which would repeat the twin's own lines."""
+
+    shows_traceback = False
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.name.partition(".")[0] != "drake_twin":

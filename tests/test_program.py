@@ -1,4 +1,5 @@
 import gc
+import logging
 import os
 import signal
 import subprocess
@@ -24,6 +25,23 @@ def failing(error):
 def test_errors_become_exit_codes(error, code, capsys):
     assert run_program(failing(error), []) == code
     assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "shows"), [("drake_twin.nodes.nodes", True), ("aiohttp.server", False)])
+def test_tracebacks_are_of_nodes_and_not_of_libraries(name, shows, capsys):
+    """A stranger at a port must not fill the program's output."""
+
+    def program(arguments):
+        try:
+            raise ValueError("no way")
+        except ValueError:
+            logging.getLogger(name).exception("it has failed")
+        return 0
+
+    run_program(program, [])
+    told = capsys.readouterr().err
+    assert told.startswith("error: it has failed\n")
+    assert ("Traceback" in told) is shows
 
 
 def test_wrong_options_are_one_paragraph(capsys):
