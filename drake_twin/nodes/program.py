@@ -153,7 +153,7 @@ class Program:
                     task.end(Abandoned)
             self._teller.ended(self)
             if (own := here()) is not None and own.is_outside:  # no `leave` follows
-                self.modules.clear()
+                self._forget_modules()
 
     def exit(self, code: int) -> None:
         """End its other threads, and do nothing at its end."""
@@ -307,7 +307,12 @@ class Program:
         if self.folder:
             os.chdir(self.outer_folder)
         if self._is_over:
-            self.modules.clear()  # and with them what they keep in memory
+            self._forget_modules()
+
+    def _forget_modules(self) -> None:
+        """Let go of its modules, and of what they keep in memory; a thread that ends later has the process's."""
+        self.modules.clear()
+        self.own_names.clear()
 
     def own_module(self, name: str) -> None:
         """Let a module that is about to be imported be the program's own, and hide another of its name."""

@@ -1,5 +1,7 @@
 """Nodes with threads, locks and executors of their own."""
 
+import sys
+
 from node_runs import HEAD, lines, running, script
 
 
@@ -53,9 +55,11 @@ threading.Thread(target=late, args=("daemon", 0.4), daemon=True).start()
 print(threading.current_thread().daemon)
 """,
     )
+    main = sys.modules["__main__"]
     with running(file) as twin:
         twin.advance_to(0.5)
         assert twin.findings == ()
+    assert sys.modules["__main__"] is main
     assert lines(capsys) == ["False", "timer False 0.15", "thread False 0.2", "timer of timer", "timer of thread"]
 
 
