@@ -10,6 +10,7 @@ from typing import Any
 
 from drake_twin.messages.interface_types import deserialize, type_hash
 from drake_twin.wires.dds_endpoints import matched, quality, reader
+from drake_twin.wires.log_once import LogOnce
 from drake_twin.wires.rmw_dds_format import GRAPH_TOPIC, GRAPH_TYPE, endpoint_data, read_endpoint_data, ros_topic
 from drake_twin.wires.ros_names import dds_type, ros_type
 from drake_twin.wires.wire import WireEndpoint
@@ -70,7 +71,7 @@ class Discovery:
         self._graph, condition = reader(participant, GRAPH_TOPIC, GRAPH_TYPE, qos)
         self.conditions.append(condition)
         self._nodes: dict[int, bytes] = {}  # writer → what its participant has told last of its nodes
-        self._told: set[str] = set()
+        self._tell = LogOnce(_log, most=_MOST_LINES)
 
     def take(self) -> int:
         """Take note of what has come and gone; return how many of the conditions were met."""
@@ -117,11 +118,6 @@ class Discovery:
         known = matched(self._graph.get_matched_publications)  # among them those that have told now may be later
         self._nodes = {writer: data for writer, data in self._nodes.items() if writer in known} | told
         return bool(samples)
-
-    def _tell(self, text: str) -> None:
-        if text not in self._told and len(self._told) < _MOST_LINES:
-            self._told.add(text)
-            _log.warning(text)
 
 
 def _writers_beside(data: bytes, node: str) -> set[bytes]:

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.wires.dds_discovery import End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, matched, quality, reader, writer
+from drake_twin.wires.log_once import LogOnce
 from drake_twin.wires.rmw_dds_format import (
     endpoint_data,
     read_endpoint_data,
@@ -121,7 +122,7 @@ class DdsServer(_ServiceEnds):
         self._clients: dict[int, str] = {}  # request's writer → the client's id
         self._matched: dict[str, int] = {}  # client's id → response's reader
         self._late: list[_Late] = []
-        self._logged: set[str] = set()
+        self._tell = LogOnce(_log, service.name)
 
     def take(self) -> bool:
         """Hand on the requests that have come; return whether anything has."""
@@ -189,12 +190,6 @@ class DdsServer(_ServiceEnds):
             data = self._writer.get_matched_subscription_data
             self._matched = {_value(data(handle), _CLIENT): handle for handle in handles}
         return client in self._matched
-
-    def _tell(self, text: str) -> None:
-        """Log once."""
-        if text not in self._logged and len(self._logged) < 10:
-            self._logged.add(text)
-            _log.warning("%s: %s", self.topic.name, text)
 
 
 class DdsClient(_ServiceEnds):

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from drake_twin.wires.log_once import LogOnce
 from drake_twin.wires.rmw_zenoh_format import (
     CLIENT,
     NO_HASH,
@@ -111,7 +112,7 @@ class ZenohClient:
         self._key = topic_key(graph.domain, service.name, service.type, service.hash or NO_HASH)
         self._numbers = itertools.count(1)
         self._asked: dict[int, Reply] = {}
-        self._logged: set[str] = set()
+        self._tell = LogOnce(_log, service.name)
         self._lock = threading.Lock()
         self._servers: set[str] = set()
         key = servers_key(graph.domain, service.name, service.type)
@@ -180,9 +181,3 @@ class ZenohClient:
             return
         if client == self._gid and (answered := self._asked.pop(number, None)) is not None:
             answered(reply.ok.payload.to_bytes())
-
-    def _tell(self, text: str) -> None:
-        """Log once."""
-        if text not in self._logged and len(self._logged) < 10:
-            self._logged.add(text)
-            _log.warning("%s: %s", self._name, text)

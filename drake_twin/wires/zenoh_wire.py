@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from drake_twin.wires.log_once import LogOnce
 from drake_twin.wires.rmw_zenoh_format import (
     NO_HASH,
     PUBLISHER,
@@ -293,7 +294,7 @@ class _Listener:
 
         self._topic, self._heard = topic, heard
         self._expected = topic_key(graph.domain, topic.name, topic.type, "")
-        self._reported: set[str] = set()
+        self._tell = LogOnce(_log, topic.name)
         call = handlers.Callback(self._take, indirect=False)
         key = any_type_key(graph.domain, topic.name)
         if topic.latched:
@@ -312,9 +313,8 @@ class _Listener:
         problem = self._problem(str(sample.key_expr), len(sample.payload))
         if problem is None:
             self._heard(sample.payload.to_bytes())
-        elif problem not in self._reported and len(self._reported) < 10:
-            self._reported.add(problem)
-            _log.warning("%s: %s", self._topic.name, problem)
+        else:
+            self._tell(problem)
 
     def _problem(self, key: str, size: int) -> str | None:
         """Return why a message is not heard."""

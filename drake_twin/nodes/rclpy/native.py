@@ -49,12 +49,6 @@ class NativeEnum:
 
     __index__ = __int__
 
-    def __hash__(self) -> int:
-        return id(self)
-
-    def __eq__(self, other: object) -> bool:
-        return self is other
-
     def __repr__(self) -> str:
         return f"<{type(self).__name__}.{self._name}: {self._value}>"
 

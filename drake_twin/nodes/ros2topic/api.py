@@ -16,6 +16,7 @@ from drake_twin.nodes.rclpy.qos import (
     QoSProfile,
     ReliabilityPolicy,
 )
+from drake_twin.nodes.rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 from drake_twin.nodes.rclpy.validate_full_topic_name import validate_full_topic_name
 from drake_twin.nodes.rosidl_runtime_py.utilities import get_message
 
@@ -23,7 +24,7 @@ from drake_twin.nodes.rosidl_runtime_py.utilities import get_message
 def get_topic_names_and_types(*, node: Any, include_hidden_topics: bool = False) -> list[tuple[str, list[str]]]:
     """Return the topics with their types; those of which a part begins with an underscore are hidden."""
     found = node.get_topic_names_and_types()
-    return [each for each in found if include_hidden_topics or "/_" not in each[0]]
+    return [each for each in found if include_hidden_topics or not topic_or_service_is_hidden(each[0])]
 
 
 def get_topic_names(*, node: Any, include_hidden_topics: bool = False) -> list[str]:
