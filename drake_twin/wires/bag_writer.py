@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from drake_twin.versions import stamp
 from drake_twin.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def write_bag(folder: str, source: BinaryIO) -> None:
         raise FileExistsError(f"{folder} exists")
     writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    writer.set_custom_data("written_by", stamp())
     connections: dict[int, Connection] = {}
     with writer:
         while len(head := source.read(HEAD.size)) == HEAD.size:
