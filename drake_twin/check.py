@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.cli.lost import check_lost
+from drake_twin.cli.plugin_watch import plugins_watched
 from drake_twin.cli.plugins import add_plugin, load_plugins
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
@@ -218,7 +219,13 @@ def _parser() -> ArgumentParser:
 
 def _program(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(arguments)
-    load_plugins(options.plugin)
+    with plugins_watched(options.plugin):
+        load_plugins(options.plugin)
+        return _check(options)
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Check a file, and print what was found."""
     for argument in options.xacro_args:
         if ":=" not in argument:
             raise InputError(f"{argument!r} is neither the robot file nor a xacro argument name:=value")

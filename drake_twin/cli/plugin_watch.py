@@ -5,10 +5,12 @@ import logging
 import sys
 import threading
 import time
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from types import FrameType, TracebackType
 from typing import Self
 
-from drake_twin.extensions import is_module_of_others
+from drake_twin.extensions import has_entry_points, is_module_of_others
 
 _log = logging.getLogger(__name__)
 PATIENCE = 20.0  # s of the processor's time in one call, as for nodes
@@ -66,10 +68,15 @@ class PluginWatch:
                     ctypes.pythonapi.PyThreadState_SetAsyncExc(
                         ctypes.c_ulong(self._ident), ctypes.py_object(TooLongError)
                     )
-                elif time.monotonic() - since > self._patience and not is_said:
+                elif time.monotonic() - since > max(self._patience, 2 * (now - used)) and not is_said:
                     is_said = True
                     place = f"{present.f_code.co_filename}:{present.f_lineno}"
                     _log.warning("%s waits for something, and the simulation with it", place)
+
+
+def plugins_watched(names: Sequence[str]) -> AbstractContextManager[object]:
+    """Watch where there is something of other packages: modules that an option names, or entry points."""
+    return PluginWatch() if names or has_entry_points() else nullcontext()
 
 
 def _call_of_others(ident: int) -> FrameType | None:
