@@ -1,5 +1,6 @@
 """The actions that node programs share with each other and with the twin."""
 
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
@@ -20,6 +21,7 @@ _STATUSES = {
     "aborted": ABORTED,
 }
 NO_ERROR, REJECTED, UNKNOWN_GOAL, ENDED_GOAL = range(4)  # action_msgs/srv/CancelGoal
+_MOST_ENDED = 50  # goals that are known to have ended
 _FEEDBACK_PERIOD = 50_000_000  # ns; action_monitor_rate is 20 Hz by default
 
 
@@ -57,6 +59,7 @@ class ActionGraph:
         self._graph = graph
         self.offers: dict[str, ActionOffer] = {}
         self._goals: dict[bytes, tuple[ActionGoal, GoalListener]] = {}
+        self._ended: deque[bytes] = deque(maxlen=_MOST_ENDED)
         self._outside: dict[str, list[OutsideAction]] = {}
 
     def post(self, act: Callable[[], None]) -> None:
@@ -116,22 +119,22 @@ class ActionGraph:
         elif (outside := self._found_outside(name, kind)) is not None:
             outside.put_goal(key, goal, listener)
 
-    def cancel(self, name: str, key: bytes, answered: Callable[[int], None]) -> None:
+    def cancel(self, name: str, kind: str, key: bytes, answered: Callable[[int], None]) -> None:
         """Cancel a goal; the answer is a code of ``action_msgs/srv/CancelGoal``."""
         offer = self.offers.get(name)
         if offer is not None:
             self._graph.post(partial(offer.put_cancel, key, answered))
-        elif (outside := next((item for item in self._outside.get(name, ()) if item.has_goal(key)), None)) is not None:
-            outside.put_cancel(key, answered)
-        else:
+        elif name in self._graph.twin.graph.actions():
             self._graph.post(partial(self._cancel, key, answered))
+        elif (outside := self._found_outside(name, kind)) is not None:
+            outside.put_cancel(key, answered)
 
     def _found_outside(self, name: str, kind: str) -> OutsideAction | None:
         return next((item for item in self._outside.get(name, ()) if item.type == kind and item.is_there), None)
 
     def _start(self, name: str, key: bytes, goal: Any, listener: GoalListener) -> None:
         def ended(done: ActionGoal) -> None:
-            self._goals.pop(key, None)
+            self._forget(key)
             self._graph.post(partial(listener.ended, _STATUSES[done.status], done.result))
 
         try:
@@ -150,17 +153,21 @@ class ActionGraph:
             return
         goal, listener = known
         if goal.is_done:  # it was dropped by a reset, which calls nobody back
-            self._goals.pop(key, None)
+            self._forget(key)
             listener.ended(_STATUSES[goal.status], goal.result)
             return
         if (feedback := goal.feedback) is not None:
             listener.heard(feedback)
         self._graph.post(partial(self._feed_back, key), _FEEDBACK_PERIOD)
 
+    def _forget(self, key: bytes) -> None:
+        self._goals.pop(key, None)
+        self._ended.append(key)
+
     def _cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
         known = self._goals.get(key)
         if known is None:
-            self._graph.post(partial(answered, UNKNOWN_GOAL))
+            self._graph.post(partial(answered, ENDED_GOAL if key in self._ended else UNKNOWN_GOAL))
             return
         known[0].cancel()
         self._graph.post(partial(answered, NO_ERROR))

@@ -48,10 +48,6 @@ class OutsideAction:
         for part in self.parts:
             self._graph.withdraw(part)
 
-    def has_goal(self, key: bytes) -> bool:
-        """Return whether a goal was accepted, and has not ended."""
-        return key in self._listeners
-
     def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
         """Send a goal, and ask for its result once it is accepted."""
         request = {"goal_id": {"uuid": list(key)}, "goal": goal}

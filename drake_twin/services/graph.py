@@ -120,6 +120,11 @@ class GraphServices:
         own = (topic for server in servers for topic in (server.feedback_topic, server.status_topic))
         return (*own, *(() if self._graph is None else self._graph.endpoints()))
 
+    def proceed(self) -> None:
+        """Continue the actions' running goals, between two advances."""
+        for server in self._actions.values():
+            server.proceed()
+
     def news(self) -> Iterator[tuple[str, Fields]]:
         """Yield the messages of actions that are due: their topics and their fields."""
         for server in self._actions.values():

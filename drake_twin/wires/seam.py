@@ -38,6 +38,9 @@ class WiredActions(Protocol):
     def topics(self) -> Iterable[Endpoint]:
         """Return the topics of the present actions, after their services have been asked for."""
 
+    def proceed(self) -> None:
+        """Continue what takes longer, between two advances."""
+
     def news(self) -> Iterable[tuple[str, Mapping[str, Any]]]:
         """Return the messages that are due: their topics and their fields."""
 
@@ -119,10 +122,8 @@ class Seam:
             self._follow_listeners()
         self._repeat_clock()
         if self._actions is not None:
-            for name, fields in self._actions.news():
-                topic = self._topics[name]
-                if topic.is_heard:
-                    self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, fields)))
+            self._actions.proceed()
+            self._tell_news()
 
     def _keep_topics(self, endpoints: Sequence[Endpoint]) -> None:
         """Offer these endpoints, and the services, and no others."""
@@ -208,6 +209,13 @@ class Seam:
         time = self._twin.time if draft.time is None else draft.time
         self._outbox.put(topic, draft, time, is_repeated=is_repeated)
 
+    def _tell_news(self) -> None:
+        """Publish what has happened to the actions' goals."""
+        for name, fields in () if self._actions is None else self._actions.news():
+            topic = self._topics[name]
+            if topic.is_heard:
+                self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, fields)))
+
     def send(self, name: str, message: Any) -> None:
         """Send a message that a node program has published, if anybody listens."""
         topic = self._topics.get(name)
@@ -291,7 +299,7 @@ class Seam:
             if service.between_advances:
                 self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
             if not isinstance(fields, Generator):
-                reply(serialize(make_response(service.type, fields)))
+                self._reply(service, fields, reply)
                 return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))
@@ -303,7 +311,8 @@ class Seam:
         try:
             next(answer)
         except StopIteration as end:
-            reply(serialize(make_response(service.type, end.value)))
+            self._tell_news()  # an action's result comes after its last feedback and its status
+            self._reply(service, end.value, reply)
             return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))
@@ -311,6 +320,10 @@ class Seam:
         act, between = partial(self._continue, service, answer, reply), service.between_advances
         if not self._twin.inbox.put(act, between_advances=between, is_urgent=between):  # others wait for time to pass
             self._refuse(service, reply, _TOO_MANY)
+
+    def _reply(self, service: ServiceEndpoint, fields: Any, reply: Reply) -> None:
+        """Answer once what was published before is sent."""
+        self._outbox.then(partial(reply, serialize(make_response(service.type, fields))))
 
     def _refuse(self, service: ServiceEndpoint, reply: Reply, reason: str, cause: str = "") -> None:
         self._log(service.name, reason, cause)

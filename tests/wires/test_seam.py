@@ -263,17 +263,20 @@ def test_services_answer_at_a_step_or_between_advances_and_later():
     twin.advance_to(0.1)
     replies = {name: asked(wire, name, True) for name in ("/now", "/later", "/refused")}
     twin.advance_to(0.2)
+    seam.flush()
     assert response(replies["/now"]) == (True, "0.100")
     assert response(replies["/later"])[0]
     assert response(replies["/refused"]) == (False, "not today.")
     reset = asked(wire, "/between", True)
     assert reset == []
     twin.advance_to(0.1)
+    seam.flush()
     assert response(reset)[0]
     assert twin.time == pytest.approx(0.1)
     twin.pause()
     paused = asked(wire, "/now", False)
     twin.inbox.work()
+    seam.flush()
     assert response(paused) == (False, "0.100")
     seam.close()
 
@@ -330,6 +333,9 @@ class OfNodes:
         return ()
 
     news = topics
+
+    def proceed(self):
+        pass
 
 
 def test_services_of_other_programs_are_looked_for_and_told_in_the_thread_that_advances():

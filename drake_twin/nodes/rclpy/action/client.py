@@ -157,7 +157,7 @@ class ActionClient(GraphWaitable):
         def answered(code: int) -> None:
             self.put(lambda: future.set_result(_cancel_response(code, handle)))
 
-        self._actions.cancel(self.name, bytes(handle.goal_id.uuid), answered)
+        self._actions.cancel(self.name, self.type, bytes(handle.goal_id.uuid), answered)
         return future
 
     def waited(self, future: Future) -> Any:
