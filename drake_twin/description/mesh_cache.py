@@ -15,7 +15,7 @@ from drake_twin.errors import InputError
 from drake_twin.whole_file import write_whole
 
 # Part of every cached file's name: change it when a conversion gives other files.
-_CONVERSION = "7"
+_CONVERSION = "8"
 
 _MOST_BYTES = 2 * 1024**3
 _TRIMMED_TO = 3 * _MOST_BYTES // 4
