@@ -7,6 +7,8 @@ const CLICK = 4; // pixels that the pointer may move in a click
 const GLOW = new THREE.Color(0x2563a8);
 const PULL = 33; // ms between two requests while a link is dragged
 const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this radius
+const MARGIN = 1.25; // of the picture to what it shows
+const EDGE = 0.9; // of half the picture: what is farther out leaves it
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
 class SceneTools {
@@ -244,20 +246,44 @@ class SceneTools {
   // world; false if nothing is drawn there yet.
   fit(paths, direction) {
     viewer.scene.updateMatrixWorld(true); // nothing may have been rendered yet
-    const box = this.boxOf(paths);
-    if (!box || viewer.camera.aspect <= 0) return false;
-    const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
-    const target = center;
+    const boxes = paths.map((path) => this.boxOf([path])).filter((box) => box);
+    if (!boxes.length || viewer.camera.aspect <= 0) return false;
+    const all = boxes.reduce((one, other) => one.clone().union(other));
+    const target = all.getCenter(new THREE.Vector3());
     const [x, y, z] = direction ?? [];
     const from = direction ? new THREE.Vector3(x, z, -y) : viewer.camera.position.clone().sub(viewer.controls.target);
-    const height = (viewer.camera.fov * Math.PI) / 360;
-    const width = Math.atan(Math.tan(height) * viewer.camera.aspect);
-    const distance = Math.max(radius, SMALLEST) / Math.sin(Math.min(height, width));
+    from.normalize();
     viewer.controls.target.copy(target);
-    viewer.camera.position.copy(target).addScaledVector(from.normalize(), distance);
+    viewer.camera.position.copy(target).addScaledVector(from, this.distanceTo(boxes, target, from));
     viewer.controls.update();
     viewer.set_dirty();
     return true;
+  }
+
+  // How far from a target a camera that looks at it from a direction sees the corners of boxes, with a margin.
+  distanceTo(boxes, target, from) {
+    const height = Math.tan((viewer.camera.fov * Math.PI) / 360) / MARGIN;
+    const width = height * viewer.camera.aspect;
+    const axes = new THREE.Matrix4().lookAt(from, new THREE.Vector3(), new THREE.Vector3(0, 1, 0)).transpose();
+    let distance = SMALLEST / Math.min(height, width);
+    for (const { min, max } of boxes) {
+      for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z]) {
+        const corner = new THREE.Vector3(x, y, z).sub(target).applyMatrix4(axes);
+        distance = Math.max(distance, corner.z + Math.abs(corner.x) / width, corner.z + Math.abs(corner.y) / height);
+      }
+    }
+    return distance;
+  }
+
+  // Whether the first links of these robots are in the picture.
+  areSeen(paths) {
+    viewer.camera.updateMatrixWorld();
+    return paths.every((path) => {
+      const link = this.object(path)?.children[0];
+      if (!link) return true;
+      const { x, y, z } = link.getWorldPosition(new THREE.Vector3()).project(viewer.camera);
+      return Math.abs(x) < EDGE && Math.abs(y) < EDGE && z < 1;
+    });
   }
 
   // The canvas, with the present picture on it until the next frame.
