@@ -6,9 +6,11 @@ from functools import partial
 from typing import Any, Protocol
 
 from drake_twin.errors import TwinError
+from drake_twin.messages.interface_types import make
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import GoalListener
 from drake_twin.nodes.outside_action import OutsideAction
+from drake_twin.nodes.program import Program
 from drake_twin.twin.action import ActionGoal
 
 # action_msgs/msg/GoalStatus
@@ -37,15 +39,6 @@ class ActionOffer(Protocol):
     name: str
     type: str
     node: str
-
-    def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
-        """Take a goal."""
-
-    def put_cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
-        """Take the wish to cancel a goal."""
-
-    def status_of(self, key: bytes) -> int:
-        """Return the status of a goal; `UNKNOWN` if it is not kept."""
 
 
 class ActionGraph:
@@ -81,6 +74,13 @@ class ActionGraph:
             del self.offers[offer.name]
             self._graph.note_change()
 
+    def forget(self, program: Program) -> None:
+        """Take back all that a program has."""
+        offers = list(self.offers.values())
+        for item in program.belongings:
+            if isinstance(item, OutsideAction) or any(item is offer for offer in offers):
+                self.withdraw(item)
+
     def call(self, name: str, kind: str, node: str) -> OutsideAction:
         """Look for an action that another program may offer, until `withdraw`."""
         action = OutsideAction(self._graph, name, kind, node)
@@ -89,9 +89,8 @@ class ActionGraph:
 
     def is_there(self, name: str, kind: str) -> bool:
         """Return whether an action of a type is there."""
-        offer = self.offers.get(name)
-        is_own = (offer is not None and offer.type == kind) or self._graph.twin.graph.actions().get(name) == kind
-        return is_own or self._found_outside(name, kind) is not None
+        is_twins = self._graph.twin.graph.actions().get(name) == kind
+        return is_twins or self._found_outside(name, kind) is not None
 
     def names(self) -> list[tuple[str, list[str]]]:
         """Return each action with its types."""
@@ -111,23 +110,26 @@ class ActionGraph:
 
     def send(self, name: str, kind: str, key: bytes, goal: Any, listener: GoalListener) -> None:
         """Send a goal; an action that is not there does not answer."""
-        offer = self.offers.get(name)
-        if offer is not None and offer.type == kind:
-            self._graph.post(partial(offer.put_goal, key, goal, listener))
-        elif self._graph.twin.graph.actions().get(name) == kind:
+        if self._graph.twin.graph.actions().get(name) == kind:
             self._graph.post(partial(self._start, name, key, goal, listener))
         elif (outside := self._found_outside(name, kind)) is not None:
             outside.put_goal(key, goal, listener)
 
-    def cancel(self, name: str, kind: str, key: bytes, answered: Callable[[int], None]) -> None:
-        """Cancel a goal; the answer is a code of ``action_msgs/srv/CancelGoal``."""
-        offer = self.offers.get(name)
-        if offer is not None:
-            self._graph.post(partial(offer.put_cancel, key, answered))
-        elif name in self._graph.twin.graph.actions():
+    def cancel(self, name: str, key: bytes, answered: Callable[[Any], None]) -> None:
+        """Cancel a goal; the answer is that of ``action_msgs/srv/CancelGoal``."""
+        outside = next(iter(self._outside.get(name, ())), None)
+        if outside is None or self._graph.twin.graph.actions().get(name) == outside.type:
             self._graph.post(partial(self._cancel, key, answered))
-        elif (outside := self._found_outside(name, kind)) is not None:
+        else:
             outside.put_cancel(key, answered)
+
+    def ask_result(self, name: str, key: bytes, answered: Callable[[Any], None]) -> bool:
+        """Ask for a goal's result; return False for an action of the twin, which tells of it at the goal's end."""
+        outside = next(iter(self._outside.get(name, ())), None)
+        if outside is None or self._graph.twin.graph.actions().get(name) == outside.type:
+            return False
+        outside.put_result(key, answered)
+        return True
 
     def _found_outside(self, name: str, kind: str) -> OutsideAction | None:
         return next((item for item in self._outside.get(name, ()) if item.type == kind and item.is_there), None)
@@ -164,10 +166,10 @@ class ActionGraph:
         self._goals.pop(key, None)
         self._ended.append(key)
 
-    def _cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+    def _cancel(self, key: bytes, answered: Callable[[Any], None]) -> None:
         known = self._goals.get(key)
-        if known is None:
-            self._graph.post(partial(answered, ENDED_GOAL if key in self._ended else UNKNOWN_GOAL))
-            return
-        known[0].cancel()
-        self._graph.post(partial(answered, NO_ERROR))
+        fields: dict[str, Any] = {"return_code": ENDED_GOAL if key in self._ended else UNKNOWN_GOAL}
+        if known is not None:
+            known[0].cancel()
+            fields = {"return_code": NO_ERROR, "goals_canceling": [{"goal_id": {"uuid": list(key)}}]}
+        self._graph.post(partial(answered, make("action_msgs/srv/CancelGoal_Response", fields)))

@@ -207,9 +207,7 @@ class Nodes:
 
     def ended(self, program: Program) -> None:
         """Take note of a program that has ended."""
-        for item in program.belongings:
-            if hasattr(item, "put_goal"):
-                self.actions.withdraw(item)
+        self.actions.forget(program)
         self.graph.forget(program)
         if self._is_open and self.shutdown_reason is None:
             self._follow(program, self._starts.pop(program))

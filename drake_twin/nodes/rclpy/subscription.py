@@ -11,7 +11,8 @@ from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Reception
 from drake_twin.nodes.graph_lists import count_matched
 from drake_twin.nodes.rclpy.event_handler import SubscriptionEventCallbacks
-from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.handle import Handle
+from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import Task, present_task
 
