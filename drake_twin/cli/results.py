@@ -72,7 +72,7 @@ def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None,
     count = len(result["robots"])
     now = "" if f"{simulated:.3f}" == f"{twin.time:.3f}" else f", at {twin.time:.3f} s"
     say(
-        f"{count} robot{'s' if count > 1 else ''}, {simulated:.3f} s simulated in {wall_time:.3f} s"
+        f"{count} robot{'' if count == 1 else 's'}, {simulated:.3f} s simulated in {wall_time:.3f} s"
         f" (real-time factor {result['real_time_factor']:.2f}){now}, state {result['state_sha256'][:12]}"
     )
     if file is not None:

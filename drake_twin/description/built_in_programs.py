@@ -37,6 +37,7 @@ _PROGRAMS = {
         "throttle": ("topic_tools", "throttle"),
         "topic_tools::ThrottleNode": ("topic_tools", "throttle"),
     },
+    "turtlesim": {"turtlesim_node": ("turtlesim_node", "main"), "mimic": ("turtlesim_node", "mimic")},
     "twist_stamper": {
         "twist_stamper": ("twist_stamper", "stamp"),
         "twist_unstamper": ("twist_stamper", "unstamp"),

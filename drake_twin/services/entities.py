@@ -14,7 +14,7 @@ from drake_twin.services.registry import Fields
 from drake_twin.twin.twin import Twin
 
 MOST_TEXT = 1 << 20  # characters of a description
-WORLD_NAMES = ("", "world", "map")
+WORLD_NAMES = ("", "world", "map", "/map")
 
 
 class PoseError(InputError):
@@ -37,7 +37,7 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
 
     Args:
         twin: The twin.
-        name: The robot's name.
+        name: The robot's name; empty for a free one that begins with the name that the description gives.
         uri: The address of its file; or
         text: its URDF or SDF, which xacro does not expand: a message must not run code.
         namespace: The namespace of its topics; its name by default.
@@ -54,6 +54,8 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
         raise InputError("neither a file nor a description is given")
     if len(text) > MOST_TEXT:
         raise InputError(f"the description has more than {MOST_TEXT} characters")
+    if not name and (own := re.search(r"""<(?:robot|model)\b[^>]*\sname\s*=\s*["']([^"']+)""", text)):
+        name = free_name(twin, own[1])
     if not uri and not re.fullmatch(r"[\w-]{1,100}", name):
         raise InputError(f"{name!r} is not a name: use letters, digits, '_' and '-'")
     if frame not in WORLD_NAMES:

@@ -187,7 +187,7 @@ def test_stamps_are_added_and_left_out(run):
 
 def test_each_program_is_there():
     scans = "depthimage_to_laserscan", "pointcloud_to_laserscan", "image_proc", "robot_localization"
-    drives = "teleop_twist_joy", "teleop_twist_keyboard", "topic_tools", "twist_mux", "twist_stamper"
+    drives = "teleop_twist_joy", "teleop_twist_keyboard", "topic_tools", "turtlesim", "twist_mux", "twist_stamper"
     for package in ("joint_state_publisher", *scans, *drives):
         programs = built_in_programs(package)
         assert programs
