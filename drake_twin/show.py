@@ -10,6 +10,7 @@ from drake_twin.cockpit.served_page import ServedPage
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.program import announce_page
+from drake_twin.twin.owner import Owned, any_thread
 from drake_twin.twin.twin import Twin
 
 _FRAME = 1 / 30  # s
@@ -45,7 +46,7 @@ def show(twin: Twin, *, port: int | None = None, open_browser: bool = False) -> 
     return page
 
 
-class TwinPage:
+class TwinPage(Owned, path="page"):
     """A page that shows and steers a twin. `show` makes one; it is a context manager that closes the page at its end.
 
     Args:
@@ -57,6 +58,7 @@ class TwinPage:
     """
 
     def __init__(self, twin: Twin, port: int | None = None):
+        self._owner = twin.owner
         self._twin = twin
         self._page = ServedPage(port, in_frames=True)
         self._cockpit = self._page.show(twin)
@@ -74,11 +76,13 @@ class TwinPage:
         loop.call_soon(_process_when_idle, weakref.ref(self), loop)
 
     @property
+    @any_thread
     def url(self) -> str:
         """The page's address, including its token."""
         return self._page.url
 
     @property
+    @any_thread
     def is_open(self) -> bool:
         """Whether the page is served."""
         return self._end_server.alive
@@ -128,7 +132,8 @@ def _process_when_idle(page: "weakref.ref[TwinPage]", loop: asyncio.AbstractEven
     """Process a page's requests from an asyncio loop, which runs this between its other tasks."""
     known = page()
     if known is not None and known.is_open:
-        known.process_requests()
+        if known._owner.is_here:  # else the thread that runs it processes them
+            known.process_requests()
         loop.call_later(_FRAME, _process_when_idle, page, loop)
 
 

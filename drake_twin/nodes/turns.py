@@ -13,7 +13,7 @@ from math import inf
 from typing import Protocol
 
 from drake_twin.nodes.memory import resident
-from drake_twin.nodes.task import Abandoned, Task
+from drake_twin.nodes.task import Abandoned, Task, here
 
 _MOST_ROUNDS = 1000  # rounds of turns at one simulation time, after which the threads wait for the next step
 _LOOK = 0.05  # s of wall time between two looks at a thread that has the baton
@@ -77,6 +77,12 @@ class Turns:
         """Add a thread, behind the others of its program."""
         place = [index for index, other in enumerate(self.tasks) if other.program.index <= task.program.index]
         self.tasks.insert(place[-1] + 1 if place else 0, task)
+
+    @property
+    def is_here(self) -> bool:
+        """Whether the calling thread has the baton."""
+        task = self._running
+        return task is not None and not task.is_outside and here() is task
 
     def set_time(self, time: float, time_step: float) -> None:
         """Set the simulation time and the physics step (s)."""

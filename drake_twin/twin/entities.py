@@ -25,6 +25,7 @@ from drake_twin.twin.entity_state import (
     set_joint_positions,
 )
 from drake_twin.twin.group import Group
+from drake_twin.twin.owner import any_thread
 from drake_twin.twin.pull import PERIOD, make_pull
 from drake_twin.twin.recording import recorded
 from drake_twin.twin.session import Session
@@ -35,7 +36,7 @@ _log = logging.getLogger(__name__)
 _STILL = (0.0, 0.0, 0.0)
 
 
-class Entities(Group):
+class Entities(Group, path="twin.entities"):
     """What is in the world: robots, its models, and their links (``robot_1::base_link``); `Twin.entities`."""
 
     @recorded("spawn", outside_callbacks="spawn")
@@ -95,6 +96,7 @@ class Entities(Group):
         session.rebuild(replace(scenario, robots=kept, commands=commands, values=values, pushes=pushes))
 
     @property
+    @any_thread
     def first_robots(self) -> tuple[str, ...]:
         """The names of the robots that the twin started with; the others have been spawned since."""
         return self._session.first_robots

@@ -19,6 +19,7 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
 from drake_twin.twin.event_topics import EventTopic, EventTopics
 from drake_twin.twin.group import Group
+from drake_twin.twin.owner import any_thread
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
 from drake_twin.twin.stepper import Stepper
@@ -26,10 +27,11 @@ from drake_twin.twin.subscriptions import Subscription, Subscriptions
 from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
+_END = "the end of a subscription"
 _FREE = (-float("inf"), float("inf"))
 
 
-class Graph(Group):
+class Graph(Group, path="twin.graph"):
     """Topics and actions; `Twin.graph`."""
 
     def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
@@ -49,6 +51,7 @@ class Graph(Group):
         return {action: item.type for action, item in self._session.built.actions.items()}
 
     @property
+    @any_thread
     def events(self) -> EventTopics:
         """The topics that no port of the diagram has: ``/rosout``, ``/parameter_events``, ``/diagnostics``."""
         return self._session.events
@@ -224,9 +227,8 @@ class Graph(Group):
             if event.endpoint.rate is None:
                 return event.subscribe(callback, drafts=drafts)
             period = 1.0 / (rate or event.endpoint.rate)
-            return session.subscriptions.add(
-                Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
-            )
+            subscription = Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
+            return self._owner.guard(_END, session.subscriptions.add(subscription))
         name = self.published_topic(topic).topic
 
         def of_port(port: str) -> Subscription:
@@ -244,7 +246,7 @@ class Graph(Group):
                 has_publications=item.publication is not None,
             )
 
-        return session.subscriptions.add_topic(name, of_port)
+        return self._owner.guard(_END, session.subscriptions.add_topic(name, of_port))
 
     def subscribe_drafts(self, topic: str, callback: Callable[[Draft], None]) -> Callable[[], None]:
         """Call back with drafts of a topic's messages, which any thread may make; otherwise like `Twin.subscribe`."""

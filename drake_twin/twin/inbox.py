@@ -4,6 +4,15 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from threading import Event, Lock
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from drake_twin.errors import RunError
+from drake_twin.twin.owner import Owned, Owner, any_thread
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+_T = TypeVar("_T")
 
 MOST = 1000  # requests that wait
 PERIOD = 0.005  # s of simulation time between two looks; each millisecond would cost half as much as the physics
@@ -17,11 +26,14 @@ class _Request:
     between_advances: bool
 
 
-class Inbox:
+class Inbox(Owned, path="twin.inbox"):
     """Requests of other threads, done in the order of their arrival.
 
     Each is done in the thread that advances the twin: at a step boundary, or, for what a callback cannot do, between
     two advances. While nobody uses the inbox, nobody looks into it.
+
+    Args:
+        owner: The thread that the twin belongs to.
 
     Attributes:
         is_open: Whether anybody uses the inbox.
@@ -29,7 +41,10 @@ class Inbox:
         looks: Functions to call between two advances, before the requests.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, owner: Owner) -> None:
+        self._owner = owner
+        self._asked: set[Future[Any]] = set()
+        self._has_ended = False
         self.looks: list[Callable[[], None]] = []
         self._users = self._urgent_users = 0
         self.is_open = self.is_urgent = False
@@ -38,10 +53,12 @@ class Inbox:
         self._arrived = Event()
 
     @property
+    @any_thread
     def is_waiting(self) -> bool:
         """Whether a request waits."""
         return bool(self._waiting)
 
+    @any_thread
     def open(self, *, urgent: bool = True) -> None:
         """Use the inbox until `close`.
 
@@ -51,15 +68,79 @@ class Inbox:
         """
         self._count(1, urgent)
 
+    @any_thread
     def close(self, *, urgent: bool = True) -> None:
         """End what `open` began, with the same argument."""
         self._count(-1, urgent)
 
     def _count(self, more: int, urgent: bool) -> None:
-        self._users += more
-        self._urgent_users += more if urgent else 0
-        self.is_open, self.is_urgent = self._users > 0, self._urgent_users > 0
+        with self._lock:
+            self._users += more
+            self._urgent_users += more if urgent else 0
+            self.is_open, self.is_urgent = self._users > 0, self._urgent_users > 0
 
+    @any_thread
+    def ask(self, function: Callable[[], _T], *, between_advances: bool = False) -> "Future[_T]":
+        """Have the twin's own thread call a function, from any thread; in the own thread, call it at once.
+
+        It is called at the next step boundary of an advance, where it may do what a callback may: read the twin,
+        publish, pause, push; and in each frame of `Twin.run`, also while paused.
+
+        Args:
+            function: For example ``lambda: twin.robot_state("robot_1")``.
+            between_advances: Whether it does what a callback cannot, such as `Entities.spawn` or `Twin.reset`: it is
+                called at the next frame of `Twin.run`, or when `Twin.advance_to` is called next.
+
+        Returns:
+            ``ask(…).result(timeout)`` waits for what the function returns, and raises what it raises.
+
+        Raises:
+            RunError: If `MOST` requests wait already, or the twin is closed.
+        """
+        from concurrent.futures import Future  # an import that start-up spares
+
+        future: Future[_T] = Future()
+        is_here = self._owner.is_here
+
+        def act() -> None:
+            if future not in self._asked:
+                return
+            self._asked.remove(future)
+            if not is_here:
+                self.close()
+            if not future.set_running_or_notify_cancel():
+                return
+            try:
+                result = function()
+            except Exception as error:
+                future.set_exception(error)
+            else:
+                future.set_result(result)
+
+        if self._has_ended:
+            raise RunError("the twin is closed")
+        self._asked.add(future)
+        if is_here:
+            act()
+            return future
+        self.open()
+        if not self.put(act, between_advances=between_advances):
+            self._asked.remove(future)
+            self.close()
+            raise RunError(f"{MOST} requests wait in the twin's inbox already: it does them only while it advances")
+        if self._has_ended:  # meanwhile
+            self.end()
+        return future
+
+    def end(self) -> None:
+        """Refuse what was asked and is not answered, for the twin is closed."""
+        self._has_ended = True
+        while self._asked:
+            future = self._asked.pop()
+            if future.set_running_or_notify_cancel():
+                future.set_exception(RunError("the twin is closed"))
+
+    @any_thread
     def put(
         self,
         act: Callable[[], None],
