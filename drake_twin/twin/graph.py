@@ -125,7 +125,7 @@ class Graph(Group):
             if delay:
                 session.commands.hold(port, message(item.type, data), session.clock.time + delay)
             else:
-                session.commands.queue.append((port, value))
+                session.commands.pend(port, value)
             heard = True
         if refused is not None and not heard:
             raise refused
