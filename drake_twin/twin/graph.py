@@ -128,7 +128,7 @@ class Graph(Group, path="twin.graph"):
             if delay:
                 session.commands.hold(port, message(item.type, data), session.clock.time + delay)
             else:
-                session.commands.queue.append((port, value))
+                session.commands.pend(port, value)
             heard = True
         if refused is not None and not heard:
             raise refused

@@ -21,7 +21,7 @@ from drake_twin.messages.interface_types import definition, deserialize, make, m
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.outbox import OfferedTopic, Outbox
-from drake_twin.wires.wire import LARGEST, AskingWire, Closable, Reply, ServiceClient, Wire, WireEndpoint
+from drake_twin.wires.wire import LARGEST, AskingWire, Closable, Reply, ServiceClient, Wire, WireEndpoint, close_all
 
 _log = logging.getLogger(__name__)
 _MOST_LINES = 1000  # of the log
@@ -98,7 +98,11 @@ class Seam:
         self._outbox.flush()
 
     def close(self) -> None:
-        """Send the pending messages, and end the wires."""
+        """Send the pending messages, and end the wires.
+
+        Raises:
+            RunError: If a wire has lost messages that it was to keep; the others are ended, too.
+        """
         self._twin.inbox.looks.remove(self._look)
         self._twin.inbox.close()
         for topic in self._topics.values():
@@ -107,8 +111,7 @@ class Seam:
                 topic.end = None
         self._outbox.close()  # before the topics end, so that their last messages are sent
         self._keep_topics(())
-        for wire in self._wires:
-            wire.close()
+        close_all(self._wires)
 
     # What comes and goes ---------------------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """What a wire is: it carries bytes of topics and services to and from other programs."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -130,7 +131,22 @@ class Wire(Protocol):
         """
 
     def close(self) -> None:
-        """End the wire."""
+        """End the wire.
+
+        Raises:
+            RunError: If it has lost messages that it was to keep.
+        """
+
+
+def close_all(wires: Iterable[Wire]) -> None:
+    """End wires, each of them.
+
+    Raises:
+        RunError: If one has lost messages that it was to keep.
+    """
+    with contextlib.ExitStack() as stack:
+        for wire in wires:
+            stack.callback(wire.close)
 
 
 class Nothing:

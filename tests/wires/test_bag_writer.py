@@ -66,5 +66,5 @@ def test_its_process_writes_a_bag_of_the_distribution_whose_messages_it_has(tmp_
     words = [sys.executable, "-m", "drake_twin.wires.bag_writer", str(tmp_path / "bag")]
     assert subprocess.run(words, input=stream, timeout=60).returncode == 0
     assert "ros_distro: jazzy\n" in (tmp_path / "bag" / "metadata.yaml").read_text()
-    again = subprocess.run(words, input=stream, timeout=60, stderr=subprocess.PIPE, text=False)
-    assert (again.returncode, again.stderr.decode()) == (1, f"the bag {words[-1]} ends here: {words[-1]} exists\n")
+    again = subprocess.run(words, input=stream, timeout=60, stdout=subprocess.PIPE, text=False)
+    assert (again.returncode, again.stdout.decode()) == (1, f"{words[-1]} exists\n")
