@@ -139,7 +139,8 @@ class Nodes:
 
     def _look_again(self) -> None:
         """Let the programs look at what there is on the graph."""
-        self._twin.alarm.hasten(self._turns.after * 1e-9)
+        if self._is_open:
+            self._twin.alarm.hasten(self._turns.after * 1e-9)
 
     def _start_due(self) -> None:
         for start in [item for item in self._waiting if item.time <= self._turns.limit]:
