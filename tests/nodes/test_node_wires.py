@@ -91,6 +91,7 @@ def wired(tmp_path, *texts):
         wire.services[name].call(serialize(make(f"{kind}_Request", fields)), replies.append)
         for _ in range(round(seconds / 0.01)):
             twin.advance_to(twin.time + 0.01)
+        seam.flush()
         (reply,) = replies
         return deserialize(f"{kind}_Response", reply)
 
