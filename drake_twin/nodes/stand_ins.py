@@ -10,6 +10,19 @@ from typing import Any
 _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
 _WITHOUT_A_LIST = ("rclpy._rclpy_pybind11", "rclpy.clock_type", "rclpy.impl", "rclpy.type_hash")
+_IMPORTED_ALONE = frozenset(  # submodules of rclpy that neither `import rclpy` nor a node imports
+    f"rclpy.{name}"
+    for name in (
+        "action",
+        "lifecycle",
+        "parameter_client",
+        "parameter_event_handler",
+        "qos_event",
+        "serialization",
+        "topic_or_service_is_hidden",
+        "wait_for_message",
+    )
+)
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
 _LAUNCH = frozenset(("launch", "launch_ros", "launch_xml", "launch_yaml", "moveit_configs_utils", "nav2_common"))
@@ -73,6 +86,8 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
             value = getattr(home, wanted)
         elif source is not None or wanted.startswith("_") or wanted in more or _is_open(own, wanted):
             value = getattr(own, wanted)
+        elif name == "rclpy" and f"rclpy.{wanted}" in exports().keys() - _IMPORTED_ALONE:
+            value = stand_in(f"rclpy.{wanted}")
         else:
             raise AttributeError(f"module {name!r} has no attribute {wanted!r}")
         if isinstance(value, ModuleType) and value.__name__ == f"{__package__}.{name}.{wanted}":
