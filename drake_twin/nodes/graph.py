@@ -202,7 +202,7 @@ class Graph:
             reception.put(message)
             self.twin.alarm.hasten(self.twin.time + delay)
 
-        reception.end = self.twin.subscribe(reception.topic, hear)
+        reception.end = self.twin.graph.subscribe(reception.topic, hear, None, kept=reception.wants_latched)
 
     def withdraw(self, item: Publication | Reception | Offer | Caller) -> None:
         """Take back what a node publishes, subscribes to, offers or asks."""

@@ -14,6 +14,8 @@ OF_RCLPY = """
 _context _parameters _publishers _subscriptions _clients _services _timers _guards _default_callback_group _rate_group
 _pre_set_parameters_callbacks _on_set_parameters_callbacks _post_set_parameters_callbacks _parameter_overrides
 _allow_undeclared_parameters _descriptors _logger _clock _managed_entities _state_machine _callbacks
+_service_change_state _service_get_state _service_get_available_states _service_get_available_transitions
+_service_get_transition_graph
 """
 
 WALK = """

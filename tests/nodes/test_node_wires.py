@@ -230,9 +230,15 @@ def test_a_goal_of_a_node_is_canceled_from_the_wire_if_the_node_wants(tmp_path):
         assert ask("/count/_action/cancel_goal", {"goal_info": {"goal_id": {"uuid": [9] * 16}}}).return_code == 2
 
 
-def test_a_goal_whose_node_ends_is_aborted(tmp_path):
-    with wired(tmp_path, ACTION) as (_, wire, ask):
+def test_an_action_ends_with_its_node_and_answers_no_more(tmp_path):
+    """As in ROS: who waits for the result of a server that has died waits for ever."""
+    with wired(tmp_path, ACTION) as (twin, wire, ask):
         assert ask("/count/_action/send_goal", {"goal_id": FIRST, "goal": {"order": 9}}).accepted
-        assert ask("/count/_action/get_result", {"goal_id": FIRST}, 1.5).status == 6
+        replies = []
+        request = serialize(make(f"{KIND}_GetResult_Request", {"goal_id": FIRST}))
+        wire.services["/count/_action/get_result"].call(request, replies.append)
+        while twin.time < 1.5:
+            twin.advance_to(twin.time + 0.01)
+        assert replies == []
         assert wire.services["/count/_action/send_goal"].is_closed
         assert wire.services["/my/get_parameters"].is_closed

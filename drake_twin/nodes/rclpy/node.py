@@ -21,7 +21,7 @@ from drake_twin.nodes.rclpy.parameter import Parameter
 from drake_twin.nodes.rclpy.parameter_ranges import PARAM_REL_TOL
 from drake_twin.nodes.rclpy.parameter_service import ParameterService
 from drake_twin.nodes.rclpy.publisher import Publisher, PublisherHandle
-from drake_twin.nodes.rclpy.qos_overriding_options import override_by_parameters
+from drake_twin.nodes.rclpy.qos_overriding_options import _declare_qos_parameters
 from drake_twin.nodes.rclpy.qos_profiles import profile_of, qos_profile_services_default
 from drake_twin.nodes.rclpy.service import Service, ServiceHandle
 from drake_twin.nodes.rclpy.subscription import Subscription, SubscriptionHandle
@@ -199,7 +199,7 @@ class Node(NodeParameters, NodeGraph):
         self.__handle.check()
         qos, name = profile_of(qos_profile), self.__resolved(topic)
         if qos_overriding_options is not None:
-            override_by_parameters("publisher", self, name, qos, qos_overriding_options)
+            _declare_qos_parameters(Publisher, self, name, qos, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
         impl = PublisherHandle(self.__handle, msg_type, name, qos)
         options = {"event_callbacks": event_callbacks, "callback_group": callback_group or self._default_callback_group}
@@ -225,7 +225,7 @@ class Node(NodeParameters, NodeGraph):
         qos, name = profile_of(qos_profile), self.__resolved(topic)
         group = callback_group or self._default_callback_group
         if qos_overriding_options is not None:
-            override_by_parameters("subscription", self, name, qos, qos_overriding_options)
+            _declare_qos_parameters(Subscription, self, name, qos, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
         impl = SubscriptionHandle(self.__handle, msg_type, name, qos)
         item = Subscription(impl, msg_type, topic, callback, group, qos, raw, event_callbacks=event_callbacks)

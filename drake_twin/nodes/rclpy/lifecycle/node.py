@@ -32,14 +32,16 @@ class LifecycleNodeMixin(ManagedEntity):
     def __init__(self, *, enable_communication_interface: bool = True, callback_group: Any = None):
         node: Any = self
         self._managed_entities: dict[ManagedEntity, None] = {}  # in order, so that a run repeats
-        self._state_machine = StateMachine()
-        self.__transition_events: Any = None
+        self._state_machine = StateMachine(enable_communication_interface)
         # As they were when the node was made: what a subclass has, also where it is replaced later.
         self._callbacks = {label: getattr(self, name) for label, name in _CALLBACKS.items()}
         if not enable_communication_interface:
             return
         event = message_class("lifecycle_msgs/msg/TransitionEvent")
-        self.__transition_events = node.create_publisher(event, "~/transition_event", 10)
+        events = node.create_publisher(event, "~/transition_event", 10)
+        self._state_machine.is_told = lambda item: events.publish(
+            event(start_state=_message(item.start), goal_state=_message(item.goal))
+        )
         for name, kind, answer in (
             ("change_state", "ChangeState", self.__on_change_state),
             ("get_state", "GetState", self.__on_get_state),
@@ -48,7 +50,9 @@ class LifecycleNodeMixin(ManagedEntity):
             ("get_transition_graph", "GetAvailableTransitions", self.__on_get_transition_graph),
         ):
             service = service_class(f"lifecycle_msgs/srv/{kind}")
-            node.create_service(service, f"~/{name}", answer, callback_group=callback_group)
+            made = node.create_service(service, f"~/{name}", answer, callback_group=callback_group)
+            self._state_machine.services[name] = made.handle
+            setattr(self, f"_service_{name}", made)
 
     def trigger_configure(self) -> TransitionCallbackReturn:
         return self.__change_state(1)
@@ -123,12 +127,10 @@ class LifecycleNodeMixin(ManagedEntity):
         return result
 
     def __trigger(self, key: int | str) -> None:
-        transition = self._state_machine.trigger(key)
-        if self.__transition_events is not None:
-            event = self.__transition_events.msg_type()
-            _fill(event.start_state, transition.start)
-            _fill(event.goal_state, transition.goal)
-            self.__transition_events.publish(event)
+        if isinstance(key, int):
+            self._state_machine.trigger_transition_by_id(key, True)
+        else:
+            self._state_machine.trigger_transition_by_label(key, True)
 
     def __called_back(self, before: LifecycleState) -> TransitionCallbackReturn:
         label = self._state_machine.current.label
@@ -158,7 +160,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
     def __on_get_available_states(self, request: Any, response: Any) -> Any:
         for state in STATES.values():
-            response.available_states.append(_fill(message_class("lifecycle_msgs/msg/State")(), state))
+            response.available_states.append(_message(state))
         return response
 
     def __on_get_available_transitions(self, request: Any, response: Any) -> Any:
@@ -185,6 +187,10 @@ class LifecycleNode(LifecycleNodeMixin, rclpy_node.Node):
 def _fill(message: Any, state: LifecycleState) -> Any:
     message.id, message.label = state.state_id, state.label
     return message
+
+
+def _message(state: LifecycleState) -> Any:
+    return _fill(message_class("lifecycle_msgs/msg/State")(), state)
 
 
 def _description(item: LifecycleTransition) -> Any:
