@@ -46,6 +46,29 @@ def test_a_node_that_raises(tmp_path, capsys, text, why):
     assert lines(capsys) == ["here 100", "here 200"]
 
 
+@pytest.mark.parametrize(
+    ("module", "missing", "remedy"),
+    [
+        ("serial", "serial", ": pip install pyserial"),
+        ("arm_msgs.msg", "arm_msgs", ": give the folder of this ROS package by --package-path"),
+        ("gripper", "gripper", ": give the folder of this ROS package by --package-path"),
+        ("mine.srv", "mine.srv", ": the package has no .srv files"),
+        ("elsewhere", "elsewhere", ""),
+    ],
+)
+def test_what_lacks_a_module_is_told_where_it_may_come_from(tmp_path, monkeypatch, module, missing, remedy):
+    """A package.xml names what is a ROS package, as do the endings of packages of messages."""
+    monkeypatch.setitem(sys.modules, "serial", None)
+    (tmp_path / "package.xml").write_text("<package><name>mine</name><exec_depend>gripper</exec_depend></package>")
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Mine.msg").write_text("bool a\n")
+    file = script(tmp_path, "f.py", f"import {module}")
+    with running(file) as twin:
+        twin.advance_to(0.1)
+        text = failed(twin).replace("import of serial halted; None in sys.modules", "No module named 'serial'")
+        assert text == f"node f.py: ModuleNotFoundError: No module named {missing!r}{remedy} ({file}:1)"
+
+
 def test_an_error_in_a_callback_is_told_with_its_line(tmp_path):
     file = script(
         tmp_path,

@@ -1,0 +1,53 @@
+"""Where a module that a node program lacks may come from."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from drake_twin.description.package_index import containing_package
+from drake_twin.messages import interface_types
+from drake_twin.nodes.stand_ins import ROOTS
+
+_INTERFACES = ("_actions", "_interface", "_interfaces", "_msg", "_msgs", "_srv", "_srvs")
+# Module → its distribution in the package index, where the two names differ or ROS installs it otherwise.
+_DISTRIBUTIONS = {
+    "PIL": "pillow",
+    "cv2": "opencv-python-headless",
+    "paho": "paho-mqtt",
+    "serial": "pyserial",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "usb": "pyusb",
+    "yaml": "pyyaml",
+    **{name: name for name in ("matplotlib", "pandas", "pynput", "scipy", "torch", "transforms3d", "ultralytics")},
+}
+
+
+def remedy(error: BaseException, file: Path) -> str:
+    """Return what may be done about an error; empty if nothing is known, or it is not about a missing module.
+
+    Args:
+        error: The error.
+        file: The program's script, whose package says what it depends on.
+    """
+    if not isinstance(error, ModuleNotFoundError) or not error.name:
+        return ""
+    root, _, rest = error.name.partition(".")
+    if rest in ("msg", "srv", "action"):
+        return f": the package has no .{rest} files"
+    if rest or root in ROOTS | interface_types.known_packages():
+        return ""
+    if root in _DISTRIBUTIONS:
+        return f": pip install {_DISTRIBUTIONS[root]}"
+    if root in _dependencies(file) or root.endswith(_INTERFACES):
+        return ": give the folder of this ROS package by --package-path"
+    return ""
+
+
+def _dependencies(file: Path) -> set[str]:
+    """Return what the package of a script depends on."""
+    package = containing_package(file)
+    try:
+        tags = [] if package is None else [*ElementTree.parse(package / "package.xml").getroot()]
+    except (OSError, ElementTree.ParseError):
+        return set()
+    return {(tag.text or "").strip() for tag in tags if tag.tag.endswith("depend")}
