@@ -14,6 +14,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.scenario.absolute_files import robot_with_files_found
+from drake_twin.scenario.names import LONGEST_NAME
 from drake_twin.twin.entity_state import (
     EntityState,
     Wrench,
@@ -195,8 +196,9 @@ class Entities(Group, path="twin.entities"):
         pose = (*finite_numbers(xyz, 3, "position"), *finite_numbers(rpy, 3, "roll, pitch and yaw"))
         _check_model(session, model)
         assert session.built.world_file is not None
-        if not isinstance(name, str) or not name or "::" in name:
-            raise InputError(f"{shortened(name)} cannot name a model")
+        if not isinstance(name, str) or "::" in name or not (0 < len(name) <= LONGEST_NAME and name.isprintable()):
+            text = f"{shortened(name)} cannot name a model: use 1 to {LONGEST_NAME} printable characters without '::'"
+            raise InputError(text)
         if name in (*session.robots, *(item.name for item in session.built.world_file.models), *world.without_models):
             raise InputError(f"Entity [{name}] already exists.")
         x, y, z, roll, pitch, yaw = map(float, pose)

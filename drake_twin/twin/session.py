@@ -14,6 +14,7 @@ from pydrake.geometry import Meshcat
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import Finding, Kind
+from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_files_found
@@ -127,7 +128,7 @@ class Session:
         for plan in self.built.plans:
             if plan.name == robot:
                 return plan
-        raise InputError(f"unknown robot {robot!r}", value=str(robot), valid=self.robots)
+        raise InputError(f"unknown robot {shortened(robot)}", value=str(robot), valid=self.robots)
 
     def control(self, robot: Any) -> RobotControl:
         """Return a robot's controllers.
