@@ -126,9 +126,15 @@ class _BagSender:
                 "type": topic.type,
                 "hash": topic.hash,
                 "definition": topic.definition,
-                "latched": topic.latched,
-                "depth": topic.kept,
-                "lifespan": topic.lifespan,
+                "quality": {
+                    "latched": topic.latched,
+                    "depth": 0 if topic.keeps_all else topic.kept,
+                    "is_best_effort": topic.is_best_effort,
+                    "lifespan": topic.lifespan,
+                    "deadline": topic.deadline,
+                    "is_manual": topic.is_manual,
+                    "lease": topic.lease,
+                },
             }
             bag.write(TOPIC, number, 0, json.dumps(description).encode())
 

@@ -75,7 +75,7 @@ def write_bag(folder: str, source: BinaryIO) -> None:
                     topic["type"],
                     msgdef=topic["definition"],
                     rihs01=topic["hash"],
-                    offered_qos_profiles=[_quality(topic["latched"], topic["depth"], topic["lifespan"])],
+                    offered_qos_profiles=[_quality(**topic["quality"])],
                 )
         bag.finish()
     tell_distribution(Path(folder))
@@ -89,20 +89,31 @@ def tell_distribution(folder: Path) -> None:
     write_whole(file, file.read_text("utf-8").replace("ros_distro: rosbags", f"ros_distro: {_DISTRIBUTION}"))
 
 
-def _quality(latched: bool, depth: int, lifespan: float | None) -> "Qos":
-    """Return the quality of service of the twin's publishers: reliable, and kept for late joiners if latched."""
+def _quality(
+    *,
+    latched: bool,
+    depth: int,
+    is_best_effort: bool,
+    is_manual: bool,
+    **spans: float | None,
+) -> "Qos":
+    """Return the quality of service of one of the twin's publishers."""
     from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
     forever = QosTime(2147483647, 4294967295)
+    lifespan, deadline, lease = (
+        forever if span is None else QosTime(*divmod(round(span * 1e9), 10**9))
+        for span in map(spans.__getitem__, ("lifespan", "deadline", "lease"))
+    )
     return Qos(
-        history=QosHistory.KEEP_LAST,
+        history=QosHistory.KEEP_LAST if depth else QosHistory.KEEP_ALL,
         depth=depth,
-        reliability=QosReliability.RELIABLE,
+        reliability=QosReliability.BEST_EFFORT if is_best_effort else QosReliability.RELIABLE,
         durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
-        deadline=forever,
-        lifespan=forever if lifespan is None else QosTime(*divmod(round(lifespan * 1e9), 10**9)),
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=forever,
+        deadline=deadline,
+        lifespan=lifespan,
+        liveliness=QosLiveliness.MANUAL_BY_TOPIC if is_manual else QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=lease,
         avoid_ros_namespace_conventions=False,
     )
 

@@ -217,9 +217,12 @@ def _quality(topic: WireEndpoint) -> Any:
     return quality(
         endpoint_data(topic.hash),
         latched=topic.latched,
-        depth=topic.kept,
+        depth=None if topic.keeps_all else topic.kept,
         is_best_effort=topic.is_best_effort,
         lifespan=topic.lifespan,
+        deadline=topic.deadline,
+        is_manual=topic.is_manual,
+        lease=topic.lease,
     )
 
 

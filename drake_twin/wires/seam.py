@@ -8,6 +8,7 @@ and is done in the simulation's thread, by `Twin.publish` and the like, so that 
 import contextlib
 import logging
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import partial
 from time import monotonic
 from typing import Any, Protocol
@@ -26,6 +27,7 @@ from drake_twin.wires.wire import LARGEST, AskingWire, Closable, Reply, ServiceC
 _log = logging.getLogger(__name__)
 _MOST_LINES = 1000  # of the log
 _REPETITION = 0.1  # s of wall time between two messages of a paused clock
+_SHARED = {item.name for item in fields(Endpoint)} & {item.name for item in fields(WireEndpoint)}
 _TOO_MANY = "too many requests wait"
 
 
@@ -346,18 +348,7 @@ def _wired(endpoint: Endpoint) -> WireEndpoint:
         its_hash = type_hash(kind)
         if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
             text = definition(kind)
-    return WireEndpoint(
-        endpoint.name,
-        kind,
-        its_hash,
-        endpoint.node,
-        endpoint.latched,
-        text,
-        endpoint.is_best_effort,
-        depth=endpoint.depth,
-        lifespan=endpoint.lifespan,
-        of_all_nodes=endpoint.of_all_nodes,
-    )
+    return WireEndpoint(hash=its_hash, definition=text, **{name: getattr(endpoint, name) for name in _SHARED})
 
 
 def _same(message: Any) -> Any:

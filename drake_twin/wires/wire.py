@@ -23,6 +23,10 @@ class WireEndpoint:
         definition: The text of the topic's message type, with those of the messages in it.
         depth: How many messages of the topic are kept for who is slow or late; 0 for what suits it.
         lifespan: How long they are kept (s); None for always.
+        keeps_all: Whether all messages are kept, whatever the depth.
+        deadline: The longest time between messages that is offered, or requested (s); None for any.
+        is_manual: Whether the publisher says itself that it is alive, with each message.
+        lease: The time in which it has to (s); None for any.
         of_all_nodes: Whether each node of the program publishes the topic, beside its own.
     """
 
@@ -35,6 +39,10 @@ class WireEndpoint:
     is_best_effort: bool = False
     depth: int = 0
     lifespan: float | None = None
+    keeps_all: bool = False
+    deadline: float | None = None
+    is_manual: bool = False
+    lease: float | None = None
     of_all_nodes: bool = False
 
     @property

@@ -75,6 +75,57 @@ class My(Node):
 """
 
 
+QUALITIES = """
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("my")
+        self.ends = []
+        for spans in ((0.25, 2.0, 3.0), (0.5, 1.0, 4.0)):
+            deadline, lifespan, lease = (Duration(seconds=span) for span in spans)
+            alive = {"liveliness": LivelinessPolicy.MANUAL_BY_TOPIC, "liveliness_lease_duration": lease}
+            profile = QoSProfile(depth=round(spans[2]), deadline=deadline, lifespan=lifespan, **alive)
+            self.ends.append(self.create_publisher(String, "said", profile))
+            self.ends.append(self.create_subscription(String, "told", print, profile))
+        lossy = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.ends.append(self.create_publisher(String, "lossy", lossy))
+        kept = QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.ends.append(self.create_publisher(String, "kept", kept))
+        self.ends.append(self.create_subscription(String, "plain", print, 3))
+"""
+
+
+def test_the_world_is_told_the_quality_of_service_of_nodes(tmp_path):
+    """One endpoint is for all of a topic: it offers the best that they offer, and requests what suits all."""
+
+    def quality(endpoint):
+        return {
+            name: value
+            for name in (
+                "latched",
+                "is_best_effort",
+                "depth",
+                "lifespan",
+                "keeps_all",
+                "deadline",
+                "is_manual",
+                "lease",
+            )
+            if (value := getattr(endpoint, name)) not in (None, False, 0)
+        }
+
+    with wired(tmp_path, QUALITIES) as (_, wire, _ask):
+        said, told = wire.senders["/said"].topic, wire.listeners["/told"].endpoint
+        assert quality(said) == {"depth": 4, "lifespan": 2.0, "deadline": 0.25, "is_manual": True, "lease": 3.0}
+        assert quality(told) == {"depth": 4, "deadline": 0.5, "is_manual": True, "lease": 4.0}
+        assert quality(wire.senders["/lossy"].topic) == {"is_best_effort": True, "keeps_all": True}
+        assert quality(wire.senders["/kept"].topic) == {"latched": True, "depth": 7}
+        assert quality(wire.listeners["/plain"].endpoint) == {"depth": 3}
+
+
 @contextmanager
 def wired(tmp_path, *texts):
     """A twin of nodes on a local wire, and the function that asks their services."""
