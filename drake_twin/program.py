@@ -216,17 +216,6 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def announce_page(url: str, *, open_browser: bool) -> None:
-    """Print the page's address, and open it in a browser if that is wanted and there is a desktop."""
-    say(f"page: {url}")
-    if not open_browser:
-        return
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin":
-        import webbrowser
-
-        webbrowser.open(url)
-
-
 @contextlib.contextmanager
 def stop_signals() -> Iterator[list[int]]:
     """Collect Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
