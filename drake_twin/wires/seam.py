@@ -216,10 +216,10 @@ class Seam:
 
     def _tell_news(self) -> None:
         """Publish what has happened to the actions' goals."""
-        for name, fields in () if self._actions is None else self._actions.news():
+        for name, content in () if self._actions is None else self._actions.news():
             topic = self._topics[name]
             if topic.is_heard:
-                self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, fields)))
+                self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, content)))
 
     def send(self, name: str, message: Any) -> None:
         """Send a message that a node program has published, if anybody listens."""

@@ -337,7 +337,7 @@ def test_gazebo_classic_takes_a_names_place_from_the_description(twin):
         assert response == {"success": True, "status_message": "Successfully sent factory message to Gazebo."}
     assert answer(twin, "/get_model_list")["model_names"] == ["robot_1", "robot_2", "box", "box_1"]
     refused = answer(twin, "/spawn_entity", **request | {"xml": "<robot/>"}, reference_frame="")
-    assert refused["status_message"] == "'' is not a name: use letters, digits, '_' and '-'."
+    assert refused["status_message"] == ("'' is not a name: use letters from A to Z, digits, '_' and '-', 100 at most.")
 
 
 def test_gazebo_classic(twin):
