@@ -199,8 +199,10 @@ import geometry_msgs.msg, rclpy.duration, tf2_ros
 from tf2_ros import Duration, TransformBroadcaster, TransformStamped
 print(TransformStamped is geometry_msgs.msg.TransformStamped, Duration is rclpy.duration.Duration)
 print(hasattr(tf2_ros, "Transforms"))
+from tf2_geometry_msgs import PoseStamped
+print(PoseStamped is geometry_msgs.msg.PoseStamped)
 """
     with running(script(tmp_path, "a.py", text)) as twin:
         twin.advance_to(0.1)
         assert twin.more_findings == []
-    assert lines(capsys) == ["True True", "False"]
+    assert lines(capsys) == ["True True", "False", "True"]
