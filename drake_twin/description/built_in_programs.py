@@ -37,7 +37,11 @@ _PROGRAMS = {
         "throttle": ("topic_tools", "throttle"),
         "topic_tools::ThrottleNode": ("topic_tools", "throttle"),
     },
-    "turtlesim": {"turtlesim_node": ("turtlesim_node", "main"), "mimic": ("turtlesim_node", "mimic")},
+    "turtlesim": {
+        "mimic": ("turtlesim_node", "mimic"),
+        "turtle_teleop_key": ("turtle_teleop_key", "main"),
+        "turtlesim_node": ("turtlesim_node", "main"),
+    },
     "twist_stamper": {
         "twist_stamper": ("twist_stamper", "stamp"),
         "twist_unstamper": ("twist_stamper", "unstamp"),

@@ -1,4 +1,4 @@
-"""Where a module that a node program lacks may come from."""
+"""Where what a node program lacks may come from: a module, or ROS's own command."""
 
 from pathlib import Path
 from xml.etree import ElementTree
@@ -23,12 +23,14 @@ _DISTRIBUTIONS = {
 
 
 def remedy(error: BaseException, file: Path) -> str:
-    """Return what may be done about an error; empty if nothing is known, or it is not about a missing module.
+    """Return what may be done about an error; empty if nothing is known, or nothing is missing.
 
     Args:
         error: The error.
         file: The program's script, whose package says what it depends on.
     """
+    if isinstance(error, FileNotFoundError) and error.filename == "ros2":
+        return ": the twin needs no ROS, and ROS's command is not there: start nodes by --node or a launch file"
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return ""
     root, _, rest = error.name.partition(".")

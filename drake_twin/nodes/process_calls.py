@@ -26,19 +26,14 @@ def seen_by_nodes(real: Callable[..., Any], own: Callable[..., Any]) -> Callable
     """
 
     @functools.wraps(real)
-    def call(*arguments: Any, **options: Any) -> Any:
+    def call(real: Callable[..., Any], /, *arguments: Any, **options: Any) -> Any:
         task = here()
         return real(*arguments, **options) if task is None else own(task, real, *arguments, **options)
 
-    if hasattr(type(real), "__get__"):
-        return call
-
-    @functools.wraps(real)
-    def call_unbound(real: Callable[..., Any], /, *arguments: Any, **options: Any) -> Any:
-        task = here()
-        return real(*arguments, **options) if task is None else own(task, real, *arguments, **options)
-
-    return MethodType(call_unbound, real)
+    unbound = MethodType(call, real)
+    if not hasattr(type(real), "__get__"):
+        return unbound
+    return functools.wraps(real)(lambda *arguments, **options: unbound(*arguments, **options))
 
 
 def _set_signal(task: Task, real: Callable[..., Any], number: int, handler: Any) -> Any:

@@ -1,5 +1,6 @@
 """tf2_ros in node programs beside a twin, in simulated time."""
 
+from node_runs import lines, running, script
 from node_scripts import run_script
 
 START = """
@@ -189,3 +190,19 @@ for spin_thread in (False, True):
 """
     assert run_script(tmp_path, START + text) == ""
     assert capsys.readouterr().out.splitlines() == ["2 0", "0 0", "2 1", "0 0"]
+
+
+def test_its_modules_export_what_they_import(tmp_path, capsys):
+    """tf2_ros/__init__.py has star imports of modules without __all__."""
+    text = """
+import geometry_msgs.msg, rclpy.duration, tf2_ros
+from tf2_ros import Duration, TransformBroadcaster, TransformStamped
+print(TransformStamped is geometry_msgs.msg.TransformStamped, Duration is rclpy.duration.Duration)
+print(hasattr(tf2_ros, "Transforms"))
+from tf2_geometry_msgs import PoseStamped
+print(PoseStamped is geometry_msgs.msg.PoseStamped)
+"""
+    with running(script(tmp_path, "a.py", text)) as twin:
+        twin.advance_to(0.1)
+        assert twin.more_findings == []
+    assert lines(capsys) == ["True True", "False", "True"]
