@@ -13,12 +13,13 @@ from typing import TypeVar
 
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError, RunError
+from drake_twin.versions import MESHES
 from drake_twin.whole_file import write_whole
 
 _T = TypeVar("_T")
 
-# Part of every cached file's name: change it when a conversion gives other files.
-_CONVERSION = "8"
+# Part of every cached file's name: it changes when a conversion gives other files.
+_CONVERSION = str(MESHES.version)
 
 _MOST_BYTES = 2 * 1024**3
 _TRIMMED_TO = 3 * _MOST_BYTES // 4

@@ -21,6 +21,7 @@ from typing import Any
 from drake_twin.errors import InputError, RunError
 from drake_twin.requirements import RequirementError, missing
 from drake_twin.sweeps.episode import COLUMNS, Row, Sweep
+from drake_twin.versions import SWEEP
 from drake_twin.whole_file import write_whole
 
 _KEY = "drake_twin_sweep"
@@ -164,7 +165,8 @@ class Results:
             self._write({_KEY: self._sweep.definition})
 
     def _check(self, definition: Mapping[str, Any], file: Path) -> None:
-        own = json.loads(json.dumps(self._sweep.definition))
+        own, definition = json.loads(json.dumps(self._sweep.definition)), {"format": 1, **definition}
+        SWEEP.check(definition["format"], file)
         if definition == own:
             return
         other = [key for key in own if definition.get(key) != own[key]]
@@ -227,6 +229,7 @@ def read_table(file: Path) -> tuple[dict[str, Any], list[Row]]:
     """
     try:
         definition, rows = _read(file)
+        SWEEP.check(definition.get("format", 1), file)
         for row in rows:
             if missing := [name for name in (*COLUMNS, *(path for path, _ in definition["vary"])) if name not in row]:
                 raise ValueError(f"a row lacks {', '.join(missing)}")

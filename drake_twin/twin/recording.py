@@ -20,8 +20,8 @@ from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.version_1 import converted_recording
+from drake_twin.versions import RECORDING
 
-_KIND, _VERSION = "recording", 2
 CONTROLLER_MANAGER = "controller_manager"
 SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
 CALLS = {
@@ -99,7 +99,7 @@ class Recording:
         Raises:
             RunError: If the file cannot be written.
         """
-        write_saved(file, _KIND, _VERSION, {"recording": to_plain(self)})
+        write_saved(file, RECORDING, {"recording": to_plain(self)})
 
     @classmethod
     def load(cls, file: str | Path) -> "Recording":
@@ -109,7 +109,7 @@ class Recording:
             InputError: If the file cannot be read, or is not a recording of a known version.
         """
         try:
-            recording = from_plain(read_saved(file, _KIND, _VERSION, converted_recording).get("recording"))
+            recording = from_plain(read_saved(file, RECORDING, converted_recording).get("recording"))
         except InputError as error:
             raise InputError(error.message, file=file) from None
         if not isinstance(recording, cls):

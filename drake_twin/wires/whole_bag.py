@@ -12,6 +12,8 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
 
+from drake_twin.versions import stamp
+
 _FULL = (ENOSPC, EDQUOT, EFBIG)
 
 
@@ -85,6 +87,7 @@ class WholeBag(Writer):
             raise FileExistsError(f"{folder} exists")
         super().__init__(folder, version=9, storage_plugin=StoragePlugin.MCAP)
         self.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        self.set_custom_data("written_by", stamp())
         self.failure: OSError | None = None
         self.open()
 

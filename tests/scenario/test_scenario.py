@@ -55,7 +55,7 @@ def test_a_scenario_survives_being_saved_and_read():
 
 def test_defaults_are_left_out_of_the_yaml():
     text = scenario_to_yaml(Scenario(robots=(Robot("a", "package://p/a.urdf"),)))
-    assert text == "robots:\n  - name: a\n    model: package://p/a.urdf\n"
+    assert text == "version: 1\nrobots:\n  - name: a\n    model: package://p/a.urdf\n"
 
 
 def test_file_names_in_a_scenario_are_relative_to_it(tmp_path):
