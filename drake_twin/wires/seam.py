@@ -22,7 +22,17 @@ from drake_twin.messages.interface_types import definition, deserialize, make, m
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.outbox import OfferedTopic, Outbox
-from drake_twin.wires.wire import LARGEST, AskingWire, Closable, Reply, ServiceClient, Wire, WireEndpoint, close_all
+from drake_twin.wires.wire import (
+    LARGEST,
+    LARGEST_OF_NODES,
+    AskingWire,
+    Closable,
+    Reply,
+    ServiceClient,
+    Wire,
+    WireEndpoint,
+    close_all,
+)
 
 _log = logging.getLogger(__name__)
 _MOST_LINES = 1000  # of the log
@@ -148,8 +158,9 @@ class Seam:
         _close_missing(self._heard, commanded)
         for name in commanded.keys() - self._heard.keys():
             item = commanded[name]
-            heard = partial(self._hear, item)
-            self._heard[name] = item, [wire.listen(_wired(item), heard) for wire in self._wires]
+            wired = _wired(item, LARGEST if name in self._commanded else LARGEST_OF_NODES)
+            heard = partial(self._hear, wired)
+            self._heard[name] = item, [wire.listen(wired, heard) for wire in self._wires]
         _close_missing(self._served, services)
         for name, (_, ends) in list(self._served.items()):
             self._served[name] = services[name], ends  # the newer one knows the present robot
@@ -254,10 +265,10 @@ class Seam:
 
     # In --------------------------------------------------------------------------------------------------------------
 
-    def _hear(self, topic: Endpoint, data: bytes) -> None:
-        """Decode a command, in a wire's thread."""
-        if len(data) > LARGEST:
-            self._log(topic.name, f"a message of more than {LARGEST} bytes is ignored")
+    def _hear(self, topic: WireEndpoint, data: bytes) -> None:
+        """Decode a message, in a wire's thread."""
+        if len(data) > topic.largest:
+            self._log(topic.name, f"a message of more than {topic.largest} bytes is ignored")
             return
         try:
             message = deserialize(topic.type, data)
@@ -265,8 +276,9 @@ class Seam:
             self._log(topic.name, str(error), "decoding")
             return
         act = partial(self._publish, topic.name, message)
-        if not self._twin.inbox.put(act, topic.name, must_stay=_is_stop(message)):
-            self._log(topic.name, "commands come faster than they are read: older ones are dropped")
+        must_stay = len(data) <= LARGEST and _is_stop(message)
+        if not self._twin.inbox.put(act, topic.name, must_stay=must_stay, size=len(data)):
+            self._log(topic.name, "messages come faster than they are read: older ones are dropped")
 
     def _publish(self, topic: str, message: Any) -> None:
         if self._actions is not None:
@@ -342,13 +354,14 @@ class Seam:
             _log.warning("%s: %s", topic, text)
 
 
-def _wired(endpoint: Endpoint) -> WireEndpoint:
+def _wired(endpoint: Endpoint, largest: int = LARGEST) -> WireEndpoint:
     kind, text, its_hash = endpoint.type, "", ""
     with contextlib.suppress(ValueError):  # of a type that only the user's own controller knows
         its_hash = type_hash(kind)
         if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
             text = definition(kind)
-    return WireEndpoint(hash=its_hash, definition=text, **{name: getattr(endpoint, name) for name in _SHARED})
+    shared = {name: getattr(endpoint, name) for name in _SHARED}
+    return WireEndpoint(hash=its_hash, definition=text, largest=largest, **shared)
 
 
 def _same(message: Any) -> Any:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 Reply = Callable[[bytes], None]
-LARGEST = 1 << 20  # bytes of a message that is heard
+LARGEST = 1 << 20  # bytes of a command and of a request
+LARGEST_OF_NODES = 64 << 20  # bytes of a message for nodes: a picture of 4K has 25 MB
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class WireEndpoint:
         is_manual: Whether the publisher says itself that it is alive, with each message.
         lease: The time in which it has to (s); None for any.
         of_all_nodes: Whether each node of the program publishes the topic, beside its own.
+        largest: How many bytes a message of the topic has at most that is heard.
     """
 
     name: str
@@ -44,6 +46,7 @@ class WireEndpoint:
     is_manual: bool = False
     lease: float | None = None
     of_all_nodes: bool = False
+    largest: int = LARGEST
 
     @property
     def kept(self) -> int:

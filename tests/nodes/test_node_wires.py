@@ -2,6 +2,7 @@
 
 from contextlib import contextmanager
 
+import numpy as np
 from conftest import rovers
 from node_runs import HEAD, lines, script
 from wires.local_wire import LocalWire
@@ -124,6 +125,28 @@ def test_the_world_is_told_the_quality_of_service_of_nodes(tmp_path):
         assert quality(wire.senders["/lossy"].topic) == {"is_best_effort": True, "keeps_all": True}
         assert quality(wire.senders["/kept"].topic) == {"latched": True, "depth": 7}
         assert quality(wire.listeners["/plain"].endpoint) == {"depth": 3}
+
+
+LARGE = """
+from std_msgs.msg import UInt8MultiArray
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("my")
+        self.create_subscription(UInt8MultiArray, "picture", lambda message: print(len(message.data)), 1)
+"""
+
+
+def test_a_node_hears_a_message_of_ten_megabytes(tmp_path, capsys):
+    """A picture in HD has six; what commands a robot has a kilobyte."""
+    with wired(tmp_path, LARGE) as (twin, wire, _):
+        data = serialize(make("std_msgs/msg/UInt8MultiArray", {"data": np.zeros(10_000_000, np.uint8)}))
+        wire.listeners["/picture"].call(data)
+        twin.advance_to(twin.time + 0.02)
+        assert wire.listeners["/picture"].endpoint.largest == 64 << 20
+        assert wire.listeners["/robot_1/forward_velocity_controller/commands"].endpoint.largest == 1 << 20
+    assert lines(capsys) == ["10000000"]
 
 
 @contextmanager

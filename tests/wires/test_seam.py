@@ -3,6 +3,7 @@
 import logging
 import struct
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
 from drake_twin.messages.draft import Drafter
 from drake_twin.messages.interface_types import make, serialize
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
+from drake_twin.twin.inbox import MOST_BYTES
 from drake_twin.twin.replay import replay
 from drake_twin.wires.seam import Seam
 
@@ -239,6 +241,20 @@ def response(replies):
     (data,) = replies
     found = deserialize("std_srvs/srv/SetBool_Response", data)
     return found.success, found.message
+
+
+def test_large_messages_that_wait_do_not_fill_the_memory(wired):
+    """Those of a topic that are older than the newest make room."""
+    twin, _, _ = wired
+    done, size = [], MOST_BYTES // 4
+    for number in range(8):
+        twin.inbox.put(partial(done.append, number), "/camera", size=size)
+    twin.inbox.put(partial(done.append, "small"), "/small")
+    assert sum(item.size for item in twin.inbox._waiting) <= MOST_BYTES + size
+    twin.inbox.look()
+    assert done[-2:] == [7, "small"]
+    assert len(done) < 8
+    assert twin.inbox.put(done.clear, "/camera", size=size)  # there is room again
 
 
 def test_services_answer_at_a_step_or_between_advances_and_later():
