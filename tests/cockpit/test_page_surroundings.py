@@ -99,3 +99,20 @@ def test_robots_that_drive_away_stay_in_the_picture_until_the_camera_is_moved(sh
     it.twin.entities.place("robot_1", (-30.0, 1.0, 0.1))
     it.for_frames(10)
     assert not is_seen()
+
+
+def test_names_do_not_overlap_and_the_nearest_robots_has_one(show):
+    it, tab = show(rovers(8).scenario())
+    it.twin.pause()
+    it.for_frames(5)
+    tab.get_by_label("Names above robots").click(force=True)
+    tab.keyboard.press("3")
+    picture(tab)
+    labels = tab.frame_locator("#scene").locator(".name:not([hidden])")
+    boxes = [labels.nth(index).bounding_box() for index in range(labels.count())]
+    assert 1 <= len(boxes) < 8
+    for index, one in enumerate(boxes):
+        for other in boxes[:index]:
+            apart_x = abs(one["x"] - other["x"]) >= min(one["width"], other["width"]) - 1
+            assert apart_x or abs(one["y"] - other["y"]) >= one["height"] - 1
+    assert "robot_8" in labels.all_inner_texts()  # it is the nearest of them from the left

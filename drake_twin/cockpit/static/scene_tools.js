@@ -32,7 +32,7 @@ class SceneTools {
     this.pane.addEventListener("pointerup", (event) => this.release(event), true);
     this.pane.addEventListener("pointercancel", () => this.cancel(), true);
     this.selected = []; // the paths that glow
-    this.names = new Map(); // path of a robot → its label
+    this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
       this.placeNames();
@@ -307,26 +307,47 @@ class SceneTools {
 
   // Show the names of these robots above them, and no others.
   showNames(names) {
-    for (const label of this.names.values()) label.remove();
+    for (const { label } of this.names.values()) label.remove();
     this.names.clear();
     for (const name of names) {
       const label = document.createElement("div");
       label.className = "name";
       label.textContent = name;
       document.body.append(label);
-      this.names.set(name, label);
+      this.names.set(name, { label, width: label.offsetWidth, height: label.offsetHeight, top: null });
     }
     viewer.set_dirty();
   }
 
+  // Place the names; of those that would overlap, the nearest robot's is shown.
   placeNames() {
-    for (const [path, label] of this.names) {
-      const box = this.boxOf([path]);
-      const top = box?.getCenter(new THREE.Vector3()).setY(box.max.y);
-      const at = top && this.onPicture(this.twin.worldToLocal(top).toArray());
-      label.hidden = !at?.isAhead;
-      if (at) label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
+    if (!this.names.size) return;
+    const eye = viewer.camera.getWorldPosition(new THREE.Vector3());
+    const found = [...this.names].map(([path, name]) => {
+      const top = this.topOf(path);
+      return { ...name, at: top && this.onPicture(this.twin.worldToLocal(top.clone()).toArray()), distance: top?.distanceTo(eye) };
+    });
+    const shown = [];
+    for (const { label, width, height, at } of found.sort((one, other) => one.distance - other.distance)) {
+      const isFree = at?.isAhead && shown.every(({ at: { x, y }, width: other }) => Math.abs(at.x - x) > (width + other) / 2 || Math.abs(at.y - y) > height);
+      label.hidden = !isFree;
+      if (!isFree) continue;
+      shown.push({ at, width });
+      label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
     }
+  }
+
+  // Where a robot's name is: above its first link, by the robot's height when it was named.
+  topOf(path) {
+    const link = this.object(path)?.children[0];
+    if (!link) return null;
+    const at = link.getWorldPosition(new THREE.Vector3());
+    const known = this.names.get(path);
+    if (known.top === null) {
+      const box = this.boxOf([path]);
+      if (box) known.top = box.max.y - at.y;
+    }
+    return at.setY(at.y + (known.top ?? 0));
   }
 
   // Tint what is at these paths, and nothing else.
