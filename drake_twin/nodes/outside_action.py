@@ -49,10 +49,6 @@ class OutsideAction:
         for part in self.parts:
             self._graph.withdraw(part)
 
-    def has_goal(self, key: bytes) -> bool:
-        """Return whether a goal was sent to it."""
-        return key in self._listeners
-
     def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
         """Send a goal."""
         self._listeners[key] = listener
