@@ -87,10 +87,13 @@ class ActionGraph:
         self._outside.setdefault(name, []).append(action)
         return action
 
-    def is_there(self, name: str, kind: str) -> bool:
-        """Return whether an action of a type is there."""
-        is_twins = self._graph.twin.graph.actions().get(name) == kind
-        return is_twins or self._found_outside(name, kind) is not None
+    def is_twins(self, action: OutsideAction) -> bool:
+        """Return whether the twin itself offers an action."""
+        return bool(self._graph.twin.graph.actions().get(action.name) == action.type)
+
+    def is_there(self, action: OutsideAction) -> bool:
+        """Return whether an action is there."""
+        return self.is_twins(action) or action.is_there
 
     def names(self) -> list[tuple[str, list[str]]]:
         """Return each action with its types."""
@@ -108,31 +111,19 @@ class ActionGraph:
         found = {item.name: [item.type] for items in self._outside.values() for item in items if item.node == node}
         return sorted(found.items())
 
-    def send(self, name: str, kind: str, key: bytes, goal: Any, listener: GoalListener) -> None:
+    def send(self, action: OutsideAction, key: bytes, goal: Any, listener: GoalListener) -> None:
         """Send a goal; an action that is not there does not answer."""
-        if self._graph.twin.graph.actions().get(name) == kind:
-            self._graph.post(partial(self._start, name, key, goal, listener))
-        elif (outside := self._found_outside(name, kind)) is not None:
-            outside.put_goal(key, goal, listener)
+        if self.is_twins(action):
+            self._graph.post(partial(self._start, action.name, key, goal, listener))
+        elif action.is_there:
+            action.put_goal(key, goal, listener)
 
-    def cancel(self, name: str, key: bytes, answered: Callable[[Any], None]) -> None:
+    def cancel(self, action: OutsideAction, key: bytes, answered: Callable[[Any], None]) -> None:
         """Cancel a goal; the answer is that of ``action_msgs/srv/CancelGoal``."""
-        outside = next(iter(self._outside.get(name, ())), None)
-        if outside is None or self._graph.twin.graph.actions().get(name) == outside.type:
+        if self.is_twins(action):
             self._graph.post(partial(self._cancel, key, answered))
         else:
-            outside.put_cancel(key, answered)
-
-    def ask_result(self, name: str, key: bytes, answered: Callable[[Any], None]) -> bool:
-        """Ask for a goal's result; return False for an action of the twin, which tells of it at the goal's end."""
-        outside = next(iter(self._outside.get(name, ())), None)
-        if outside is None or self._graph.twin.graph.actions().get(name) == outside.type:
-            return False
-        outside.put_result(key, answered)
-        return True
-
-    def _found_outside(self, name: str, kind: str) -> OutsideAction | None:
-        return next((item for item in self._outside.get(name, ()) if item.type == kind and item.is_there), None)
+            action.put_cancel(key, answered)
 
     def _start(self, name: str, key: bytes, goal: Any, listener: GoalListener) -> None:
         def ended(done: ActionGoal) -> None:

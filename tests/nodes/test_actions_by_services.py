@@ -1,5 +1,6 @@
 """An action that a node offers by services of its own; the expected lines are what rclpy 7.1 prints."""
 
+from conftest import rovers
 from node_runs import HEAD, lines, running, script
 
 PROGRAM = """
@@ -138,3 +139,48 @@ def test_the_services_and_topics_of_an_action(tmp_path, capsys):
         "[0, 0]",
         "0 3",
     ]
+
+
+COUNTER = """
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("counter")
+        self.server = ActionServer(self, Fibonacci, "count", self.count)
+
+    def count(self, handle):
+        self.get_clock().sleep_for(rclpy.duration.Duration(seconds=0.2))
+        handle.publish_feedback(Fibonacci.Feedback(sequence=[handle.request.order]))
+        handle.succeed()
+        return Fibonacci.Result()
+"""
+
+ASKER = """
+import sys
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient
+
+rclpy.init()
+node = Node("asker")
+client = ActionClient(node, Fibonacci, "count")
+client.wait_for_server()
+for _ in range(int(sys.argv[1])):
+    told = []
+    future = client.send_goal_async(Fibonacci.Goal(order=int(sys.argv[1])), feedback_callback=told.append)
+    rclpy.spin_until_future_complete(node, future)
+    future = future.result().get_result_async()
+    rclpy.spin_until_future_complete(node, future)
+    print(sys.argv[1], [list(item.feedback.sequence) for item in told], future.result().status)
+"""
+
+
+def test_two_programs_ask_one_action_and_one_ends_before_the_other(tmp_path, capsys):
+    asker = script(tmp_path, "asker.py", HEAD + ASKER)
+    builder = rovers(1).node(script(tmp_path, "counter.py", COUNTER)).node(asker, "1").node(asker, "3")
+    with builder.build() as twin:
+        twin.advance_to(3.0)
+        assert twin.findings == ()
+    assert lines(capsys) == ["1 [[1]] 4", *["3 [[3]] 4"] * 3]

@@ -3,7 +3,7 @@
 import inspect
 import warnings
 from collections import deque
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Sequence
 from functools import partial
 from math import inf
 from typing import Any
@@ -141,13 +141,20 @@ class Executor:
             ShutdownException: If the executor has been shut down.
             ExternalShutdownException: If the context has been shut down.
         """
-        return self._wait_for_ready_callbacks(*args, **kwargs)
+        return next(self._wait_for_ready_callbacks(*args, **kwargs))
 
     def _wait_for_ready_callbacks(
         self,
         timeout_sec: Any = None,
         nodes: Sequence[Any] | None = None,
         condition: Callable[[], bool] = lambda: False,
+    ) -> Iterator[tuple[Task, Any, Any]]:
+        """Yield what there is to do, each time waiting as `wait_for_ready_callbacks` does."""
+        while True:
+            yield self._ready_callback(timeout_sec, nodes, condition)
+
+    def _ready_callback(
+        self, timeout_sec: Any, nodes: Sequence[Any] | None, condition: Callable[[], bool]
     ) -> tuple[Task, Any, Any]:
         work = self._next_work(_nanoseconds(timeout_sec), condition, self._nodes if nodes is None else nodes)
         if isinstance(work, Task):

@@ -152,39 +152,34 @@ class ActionClient(GraphWaitable):
         goal_id = goal_uuid or new_goal_id(task.program.rclpy, task.program.index)
         key = bytes(goal_id.uuid)
         sent = self._goals[key] = _Goal(self, goal_id, feedback_callback)
-        self._actions.send(self._client_handle.name, self._type, key, message_classes.to_wire(goal), sent)
+        self._actions.send(self._outside, key, message_classes.to_wire(goal), sent)
         return sent.accepted_future
 
     def _cancel_goal_async(self, goal_handle: ClientGoalHandle) -> Future:
-        future = Future()
-        kind = "action_msgs/srv/CancelGoal_Response"
+        future, key = Future(), bytes(goal_handle.goal_id.uuid)
 
         def finish(response: Any) -> None:
             if response.return_code == NO_ERROR and goal_handle.status not in _ENDED and response.goals_canceling:
                 goal_handle._status = CANCELING
-            future.set_result(message_classes.from_wire(kind, response))
+            future.set_result(message_classes.from_wire("action_msgs/srv/CancelGoal_Response", response))
 
-        self._ask(self._actions.cancel, goal_handle, finish)
+        self._actions.cancel(self._outside, key, lambda response: self.put(partial(finish, response)))
         return future
 
     def _get_result_async(self, goal_handle: ClientGoalHandle) -> Future:
-        future = Future()
-        kind = f"{self._type}_GetResult_Response"
-        if not self._ask(
-            self._actions.ask_result,
-            goal_handle,
-            lambda response: future.set_result(message_classes.from_wire(kind, response)),
-        ):
-            sent = self._goals[bytes(goal_handle.goal_id.uuid)]
+        future, key = Future(), bytes(goal_handle.goal_id.uuid)
+        if self._actions.is_twins(self._outside):  # which tells of the result at the goal's end
+            sent = self._goals[key]
             if not goal_handle.accepted:
                 sent.ended(UNKNOWN, None)
             sent.result_future.add_done_callback(lambda done: future.set_result(done.result()))
-        return future
+            return future
 
-    def _ask(self, ask: Callable[..., Any], handle: ClientGoalHandle, finish: Callable[[Any], None]) -> Any:
-        """Ask for something of a goal, and finish at a spin after the answer."""
-        key = bytes(handle.goal_id.uuid)
-        return ask(self._client_handle.name, key, lambda response: self.put(partial(finish, response)))
+        def finish(response: Any) -> None:
+            future.set_result(message_classes.from_wire(f"{self._type}_GetResult_Response", response))
+
+        self._outside.put_result(key, lambda response: self.put(partial(finish, response)))
+        return future
 
     def _waited(self, future: Future) -> Any:
         """Wait for a future while another thread spins; return its result."""
@@ -194,10 +189,10 @@ class ActionClient(GraphWaitable):
     def server_is_ready(self) -> bool:
         present_task().count_idle_call()
         self._client_handle.check()
-        return bool(self._actions.is_there(self._client_handle.name, self._type))
+        return bool(self._actions.is_there(self._outside))
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
-        ready = partial(self._actions.is_there, self._client_handle.name, self._type)
+        ready = partial(self._actions.is_there, self._outside)
         wait_until(present_task(), lambda: ready() or not self._node.context.is_valid, timeout_sec)
         return bool(ready())
 
