@@ -158,7 +158,7 @@ class Executor:
             self._given.remove(work)
             return self._begun(work) if work.callback_group.beginning_execution(work) else None
 
-        node = next((node for node in self._nodes if work in node.entities), None)
+        node = next((node for node in self._nodes if work in node._twin_entities), None)
         task = self.create_task(begin)
         return task, getattr(work, "waitable", work), node
 
@@ -191,7 +191,7 @@ class Executor:
     def _has_work(self, nodes: Sequence[Any]) -> bool:
         """Return whether anything can be done."""
         return any(task.is_ready() for task in self._tasks) or any(
-            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node.entities
+            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node._twin_entities
         )
 
     def _taken(self, nodes: Sequence[Any]) -> Any:
@@ -205,7 +205,7 @@ class Executor:
             if self._has_done_tasks:
                 self._round += [task for task in reversed(self._tasks) if task.is_ready()]
             else:
-                self._round += [entity for node in nodes for entity in node.entities if entity.is_ready()]
+                self._round += [entity for node in nodes for entity in node._twin_entities if entity.is_ready()]
         return None
 
     def _due(self, nodes: Sequence[Any]) -> float:

@@ -65,5 +65,5 @@ class NodeHandle(Handle):
     """
 
     def __init__(self, node: Any, graph: Any, end: Callable[[], Any]):
-        super().__init__(end, node._full, node._full.strip("/").replace("/", "."))
+        super().__init__(end, node._twin_full, node._twin_full.strip("/").replace("/", "."))
         self.node, self.graph = node, graph

@@ -68,26 +68,26 @@ class Node(NodeParameters, NodeGraph):
         program = present_task().program
         own = checked_arguments(cli_args or (), RCLInvalidROSArgsError)
         of_all = self._context.arguments if use_global_arguments else RosArguments(())
-        self._arguments = arguments = own.before(of_all)
-        self._name = check_node_name(node_name)
-        self._namespace = check_namespace(namespace or "")
-        self._name = arguments.name_for(self._name) or self._name
-        self._namespace = arguments.namespace_for(check_node_name(node_name)) or self._namespace
-        self._full = f"{self._namespace.rstrip('/')}/{self._name}"
-        self._graph: Graph = program.rclpy["graph"]
-        self._handle = NodeHandle(self, self._graph, lambda: self._graph.remove_node(self._full))
-        self.actions: ActionGraph = program.rclpy["actions"]
-        given = parameters_of(self._full, of_all.parameters) | parameters_of(self._full, own.parameters)
+        self._twin_arguments = arguments = own.before(of_all)
+        self._twin_name = check_node_name(node_name)
+        self._twin_namespace = check_namespace(namespace or "")
+        self._twin_name = arguments.name_for(self._twin_name) or self._twin_name
+        self._twin_namespace = arguments.namespace_for(check_node_name(node_name)) or self._twin_namespace
+        self._twin_full = f"{self._twin_namespace.rstrip('/')}/{self._twin_name}"
+        self._twin_graph: Graph = program.rclpy["graph"]
+        self._twin_handle = NodeHandle(self, self._twin_graph, lambda: self._twin_graph.remove_node(self._twin_full))
+        self._twin_actions: ActionGraph = program.rclpy["actions"]
+        given = parameters_of(self._twin_full, of_all.parameters) | parameters_of(self._twin_full, own.parameters)
         given.update({item.name: item.value for item in parameter_overrides or ()})
-        events = self._graph.twin.graph.events[PARAMETER_EVENTS]
+        events = self._twin_graph.twin.graph.events[PARAMETER_EVENTS]
         NodeParameters.__init__(self, given, allow_undeclared_parameters, events)
-        self._logger = RcutilsLogger(self._handle.logger_name)
-        self._publishes_log = enable_rosout and arguments.publishes_log
-        if self._publishes_log:
+        self._logger = RcutilsLogger(self._twin_handle.logger_name)
+        self._twin_publishes_log = enable_rosout and arguments.publishes_log
+        if self._twin_publishes_log:
             publish_lines(self._logger.name)
         self._clock = ROSClock()
         self._clock.follow_twin()
-        self._jumps = Jumps(self._clock)
+        self._twin_jumps = Jumps(self._clock)
         self._rate_group = ReentrantCallbackGroup()
         self._default_callback_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
         self._timers: list[Timer] = []
@@ -96,19 +96,19 @@ class Node(NodeParameters, NodeGraph):
         self._clients: list[Client] = []
         self._services: list[Service] = []
         self._publishers: list[Publisher] = []
-        self._waitables: list[Any] = []
-        self.entities: list[Any] = []
-        self._executor: Any = None
-        self._graph.add_node(self._full, program)
-        self._graph.node_logs[self._full] = self._publishes_log
-        program.jumped.append(self._jump)
+        self._twin_waitables: list[Any] = []
+        self._twin_entities: list[Any] = []
+        self._twin_executor: Any = None
+        self._twin_graph.add_node(self._twin_full, program)
+        self._twin_graph.node_logs[self._twin_full] = self._twin_publishes_log
+        program.jumped.append(self._twin_jump)
         if automatically_declare_parameters_from_overrides:
             items = self._parameter_overrides.items()
             self.declare_parameters("", [(name, item.value) for name, item in items], ignore_override=True)
         for name, read_only in (("use_sim_time", False), ("start_type_description_service", True)):
             if name not in self._parameters:
-                self._declare_quickly(name, True, read_only=read_only)
-        self.add_waitable(self._jumps)
+                self._twin_declare_quickly(name, True, read_only=read_only)
+        self.add_waitable(self._twin_jumps)
         if start_parameter_services:
             ParameterService(self)
         if enable_logger_service:
@@ -128,11 +128,11 @@ class Node(NodeParameters, NodeGraph):
 
     @property
     def executor(self) -> Any:
-        return self._executor
+        return self._twin_executor
 
     @executor.setter
     def executor(self, executor: Any) -> None:
-        before, self._executor = self._executor, executor
+        before, self._twin_executor = self._twin_executor, executor
         if executor is before:
             return
         if before is not None:
@@ -142,7 +142,7 @@ class Node(NodeParameters, NodeGraph):
 
     @property
     def handle(self) -> NodeHandle:
-        return self._handle
+        return self._twin_handle
 
     @handle.setter
     def handle(self, value: Any) -> None:
@@ -154,19 +154,19 @@ class Node(NodeParameters, NodeGraph):
     services = property(lambda self: iter(self._services))
     timers = property(lambda self: iter(self._timers))
     guards = property(lambda self: iter(self._guards))
-    waitables = property(lambda self: iter(self._waitables))
+    waitables = property(lambda self: iter(self._twin_waitables))
 
     def get_name(self) -> str:
-        self._handle.check()
-        return self._name
+        self._twin_handle.check()
+        return self._twin_name
 
     def get_namespace(self) -> str:
-        self._handle.check()
-        return self._namespace
+        self._twin_handle.check()
+        return self._twin_namespace
 
     def get_fully_qualified_name(self) -> str:
-        self._handle.check()
-        return self._full
+        self._twin_handle.check()
+        return self._twin_full
 
     def get_clock(self) -> Clock:
         return self._clock
@@ -175,19 +175,23 @@ class Node(NodeParameters, NodeGraph):
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        self._handle.check()
-        full = expanded_name(topic, self._namespace, self._name)
-        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments.remappings)
+        self._twin_handle.check()
+        full = expanded_name(topic, self._twin_namespace, self._twin_name)
+        return (
+            full
+            if only_expand
+            else remapped(full, self._twin_namespace, self._twin_full, self._twin_arguments.remappings)
+        )
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
         return self.resolve_topic_name(service, only_expand=only_expand)
 
-    def _resolved(self, name: str, *, is_service: bool = False) -> str:
+    def _twin_resolved(self, name: str, *, is_service: bool = False) -> str:
         """Return a full name, or raise the error that says where it is wrong."""
         try:
             return self.resolve_topic_name(name)
         except RCLError:
-            check_name(name, self._namespace, self._name, is_service=is_service)
+            check_name(name, self._twin_namespace, self._twin_name, is_service=is_service)
             raise
 
     # What it has -----------------------------------------------------------------------------------------------------
@@ -203,12 +207,12 @@ class Node(NodeParameters, NodeGraph):
         qos_overriding_options: Any = None,
         publisher_class: type[Publisher] = Publisher,
     ) -> Publisher:
-        self._handle.check()
-        qos, name = profile_of(qos_profile), self._resolved(topic)
+        self._twin_handle.check()
+        qos, name = profile_of(qos_profile), self._twin_resolved(topic)
         if qos_overriding_options is not None:
             override_by_parameters("publisher", self, name, qos, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
-        impl = PublisherHandle(self._handle, msg_type, name, qos)
+        impl = PublisherHandle(self._twin_handle, msg_type, name, qos)
         options = {"event_callbacks": event_callbacks, "callback_group": callback_group or self._default_callback_group}
         publisher = publisher_class(impl, msg_type, topic, qos, **options)
         self._publishers.append(publisher)
@@ -228,18 +232,18 @@ class Node(NodeParameters, NodeGraph):
         qos_overriding_options: Any = None,
         raw: bool = False,
     ) -> Subscription:
-        self._handle.check()
-        qos, name = profile_of(qos_profile), self._resolved(topic)
+        self._twin_handle.check()
+        qos, name = profile_of(qos_profile), self._twin_resolved(topic)
         group = callback_group or self._default_callback_group
         if qos_overriding_options is not None:
             override_by_parameters("subscription", self, name, qos, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
-        impl = SubscriptionHandle(self._handle, msg_type, name, qos)
+        impl = SubscriptionHandle(self._twin_handle, msg_type, name, qos)
         item = Subscription(impl, msg_type, topic, callback, group, qos, raw, event_callbacks=event_callbacks)
         self._subscriptions.append(item)
         for handler in item.event_handlers:
             self.add_waitable(handler)
-        return self._added(item)
+        return self._twin_added(item)
 
     def create_client(
         self,
@@ -250,12 +254,12 @@ class Node(NodeParameters, NodeGraph):
         callback_group: CallbackGroup | None = None,
     ) -> Client:
         check_is_valid_srv_type(srv_type)
-        self._handle.check()
-        impl = ClientHandle(self._handle, srv_type, self._resolved(srv_name, is_service=True))
+        self._twin_handle.check()
+        impl = ClientHandle(self._twin_handle, srv_type, self._twin_resolved(srv_name, is_service=True))
         group = callback_group or self._default_callback_group
         client = Client(self._context, impl, srv_type, srv_name, qos_profile or qos_profile_services_default, group)
         self._clients.append(client)
-        return self._added(client)
+        return self._twin_added(client)
 
     def create_service(
         self,
@@ -267,12 +271,12 @@ class Node(NodeParameters, NodeGraph):
         callback_group: CallbackGroup | None = None,
     ) -> Service:
         check_is_valid_srv_type(srv_type)
-        self._handle.check()
-        impl = ServiceHandle(self._handle, srv_type, self._resolved(srv_name, is_service=True))
+        self._twin_handle.check()
+        impl = ServiceHandle(self._twin_handle, srv_type, self._twin_resolved(srv_name, is_service=True))
         group = callback_group or self._default_callback_group
         service = Service(impl, srv_type, srv_name, callback, group, qos_profile or qos_profile_services_default)
         self._services.append(service)
-        return self._added(service)
+        return self._twin_added(service)
 
     def create_timer(
         self,
@@ -288,7 +292,7 @@ class Node(NodeParameters, NodeGraph):
         group = callback_group or self._default_callback_group
         timer = Timer(callback, group, period, clock or self._clock, context=self._context, autostart=autostart)
         self._timers.append(timer)
-        return self._added(timer)
+        return self._twin_added(timer)
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         if frequency <= 0:
@@ -298,34 +302,34 @@ class Node(NodeParameters, NodeGraph):
     def create_guard_condition(self, callback: Any, callback_group: CallbackGroup | None = None) -> GuardCondition:
         guard = GuardCondition(callback, callback_group or self._default_callback_group, self._context)
         self._guards.append(guard)
-        return self._added(guard)
+        return self._twin_added(guard)
 
     def add_waitable(self, waitable: Any) -> None:
-        self._waitables.append(waitable)
-        self._added(Waiting(waitable) if isinstance(waitable, Waitable) else waitable)
+        self._twin_waitables.append(waitable)
+        self._twin_added(Waiting(waitable) if isinstance(waitable, Waitable) else waitable)
 
     def remove_waitable(self, waitable: Any) -> None:
-        waiting = next((item for item in self.entities if getattr(item, "waitable", None) is waitable), waitable)
-        if self._removed(waitable, self._waitables) and waiting in self.entities:
-            self.entities.remove(waiting)
+        waiting = next((item for item in self._twin_entities if getattr(item, "waitable", None) is waitable), waitable)
+        if self._twin_removed(waitable, self._twin_waitables) and waiting in self._twin_entities:
+            self._twin_entities.remove(waiting)
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
-        return self._destroyed(publisher, self._publishers)
+        return self._twin_destroyed(publisher, self._publishers)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
-        return self._destroyed(subscription, self._subscriptions)
+        return self._twin_destroyed(subscription, self._subscriptions)
 
     def destroy_client(self, client: Client) -> bool:
-        return self._destroyed(client, self._clients)
+        return self._twin_destroyed(client, self._clients)
 
     def destroy_service(self, service: Service) -> bool:
-        return self._destroyed(service, self._services)
+        return self._twin_destroyed(service, self._services)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        return self._destroyed(timer, self._timers)
+        return self._twin_destroyed(timer, self._timers)
 
     def destroy_guard_condition(self, guard: GuardCondition) -> bool:
-        return self._destroyed(guard, self._guards)
+        return self._twin_destroyed(guard, self._guards)
 
     def destroy_rate(self, rate: Rate) -> bool:
         rate.destroy()
@@ -333,7 +337,7 @@ class Node(NodeParameters, NodeGraph):
 
     def destroy_node(self) -> None:
         """Take back all that the node has."""
-        if self._handle.is_destroyed:
+        if self._twin_handle.is_destroyed:
             return
         end_lines(self._logger.name)
         for items in (
@@ -343,39 +347,39 @@ class Node(NodeParameters, NodeGraph):
             self._services,
             self._timers,
             self._guards,
-            self._waitables,
+            self._twin_waitables,
         ):
             for item in list(items):
-                self._destroyed(item, items)
-        self._handle.destroy_when_not_in_use()
-        if self._executor is not None:
-            self._executor.remove_node(self)
+                self._twin_destroyed(item, items)
+        self._twin_handle.destroy_when_not_in_use()
+        if self._twin_executor is not None:
+            self._twin_executor.remove_node(self)
 
     # -----------------------------------------------------------------------------------------------------------------
 
-    def _jump(self, by: int) -> None:
-        self._jumps.put(by)
+    def _twin_jump(self, by: int) -> None:
+        self._twin_jumps.put(by)
         for timer in self._timers:
             timer.jump()
 
-    def _added(self, item: _Item) -> _Item:
+    def _twin_added(self, item: _Item) -> _Item:
         item.callback_group.add_entity(item)  # type: ignore[attr-defined]
-        self.entities.append(item)
-        self.entities.sort(key=_order)
-        if self._executor is not None:
-            self._executor.wake()
+        self._twin_entities.append(item)
+        self._twin_entities.sort(key=_order)
+        if self._twin_executor is not None:
+            self._twin_executor.wake()
         return item
 
-    def _removed(self, item: Any, items: list[Any]) -> bool:
+    def _twin_removed(self, item: Any, items: list[Any]) -> bool:
         if item not in items:
             return False
         items.remove(item)
-        if item in self.entities:
-            self.entities.remove(item)
+        if item in self._twin_entities:
+            self._twin_entities.remove(item)
         return True
 
-    def _destroyed(self, item: Any, items: list[Any]) -> bool:
-        if not self._removed(item, items):
+    def _twin_destroyed(self, item: Any, items: list[Any]) -> bool:
+        if not self._twin_removed(item, items):
             return False
         for handler in getattr(item, "event_handlers", ()):
             self.remove_waitable(handler)

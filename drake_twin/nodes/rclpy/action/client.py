@@ -125,7 +125,7 @@ class ActionClient(GraphWaitable):
         self.name = action_full_name(node, action_name, "client")
         self._handle = Handle(self._end, self.name)
         self.type = message_classes.type_name(action_type)
-        self._actions = node.actions
+        self._actions = node._twin_actions
         self._count = 0
         self._outside = self._actions.call(self.name, self.type, node.get_fully_qualified_name())
         present_task().program.belongings.append(self._outside)

@@ -155,7 +155,7 @@ class ActionServer(GraphWaitable):
         self._goal_callback = goal_callback
         self._accepted_callback, self._cancel_callback = handle_accepted_callback, cancel_callback
         self._handles: dict[bytes, ServerGoalHandle] = {}
-        self._actions = node.actions
+        self._actions = node._twin_actions
         self._actions.offer(self)
         present_task().program.belongings.append(self)
         node.add_waitable(self)

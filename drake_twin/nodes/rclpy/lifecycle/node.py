@@ -33,39 +33,39 @@ class LifecycleNodeMixin(ManagedEntity):
         node: Any = self
         self._managed_entities: dict[ManagedEntity, None] = {}  # in order, so that a run repeats
         self._state_machine = StateMachine()
-        self._transition_events: Any = None
+        self._twin_transition_events: Any = None
         # As they were when the node was made: what a subclass has, also where it is replaced later.
         self._callbacks = {label: getattr(self, name) for label, name in _CALLBACKS.items()}
         if not enable_communication_interface:
             return
         event = message_class("lifecycle_msgs/msg/TransitionEvent")
-        self._transition_events = node.create_publisher(event, "~/transition_event", 10)
+        self._twin_transition_events = node.create_publisher(event, "~/transition_event", 10)
         for name, kind, answer in (
-            ("change_state", "ChangeState", self._on_change_state),
-            ("get_state", "GetState", self._on_get_state),
-            ("get_available_states", "GetAvailableStates", self._on_get_available_states),
-            ("get_available_transitions", "GetAvailableTransitions", self._on_get_available_transitions),
-            ("get_transition_graph", "GetAvailableTransitions", self._on_get_transition_graph),
+            ("change_state", "ChangeState", self._twin_on_change_state),
+            ("get_state", "GetState", self._twin_on_get_state),
+            ("get_available_states", "GetAvailableStates", self._twin_on_get_available_states),
+            ("get_available_transitions", "GetAvailableTransitions", self._twin_on_get_available_transitions),
+            ("get_transition_graph", "GetAvailableTransitions", self._twin_on_get_transition_graph),
         ):
             service = service_class(f"lifecycle_msgs/srv/{kind}")
             node.create_service(service, f"~/{name}", answer, callback_group=callback_group)
 
     def trigger_configure(self) -> TransitionCallbackReturn:
-        return self._change_state(1)
+        return self._twin_change_state(1)
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
-        return self._change_state(2)
+        return self._twin_change_state(2)
 
     def trigger_activate(self) -> TransitionCallbackReturn:
-        return self._change_state(3)
+        return self._twin_change_state(3)
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
-        return self._change_state(4)
+        return self._twin_change_state(4)
 
     def trigger_shutdown(self) -> TransitionCallbackReturn:
         if not any(item.label == "shutdown" for item in self._state_machine.available):
             raise RCLError("Shutdown transtion not possible")
-        return self._change_state("shutdown")
+        return self._twin_change_state("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
         if not isinstance(entity, ManagedEntity):
@@ -73,22 +73,22 @@ class LifecycleNodeMixin(ManagedEntity):
         self._managed_entities[entity] = None
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_configure", state)
+        return self._twin_pass_on("on_configure", state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_cleanup", state)
+        return self._twin_pass_on("on_cleanup", state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_shutdown", state)
+        return self._twin_pass_on("on_shutdown", state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_activate", state)
+        return self._twin_pass_on("on_activate", state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_deactivate", state)
+        return self._twin_pass_on("on_deactivate", state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_error", state)
+        return self._twin_pass_on("on_error", state)
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher:
         if "publisher_class" in kwargs:
@@ -103,7 +103,7 @@ class LifecycleNodeMixin(ManagedEntity):
         self._managed_entities.pop(publisher, None)
         return bool(node.destroy_publisher(publisher))
 
-    def _pass_on(self, name: str, state: LifecycleState) -> TransitionCallbackReturn:
+    def _twin_pass_on(self, name: str, state: LifecycleState) -> TransitionCallbackReturn:
         for entity in list(self._managed_entities):
             result = getattr(entity, name)(state)
             if not isinstance(result, TransitionCallbackReturn):
@@ -113,24 +113,24 @@ class LifecycleNodeMixin(ManagedEntity):
                 return result
         return TransitionCallbackReturn.SUCCESS
 
-    def _change_state(self, key: int | str) -> TransitionCallbackReturn:
+    def _twin_change_state(self, key: int | str) -> TransitionCallbackReturn:
         before = self._state_machine.current
-        self._trigger(key)
-        result = self._called_back(before)
-        self._trigger(result.to_label())
+        self._twin_trigger(key)
+        result = self._twin_called_back(before)
+        self._twin_trigger(result.to_label())
         if result is TransitionCallbackReturn.ERROR:
-            self._trigger(self._called_back(before).to_label())
+            self._twin_trigger(self._twin_called_back(before).to_label())
         return result
 
-    def _trigger(self, key: int | str) -> None:
+    def _twin_trigger(self, key: int | str) -> None:
         transition = self._state_machine.trigger(key)
-        if self._transition_events is not None:
-            event = self._transition_events.msg_type()
+        if self._twin_transition_events is not None:
+            event = self._twin_transition_events.msg_type()
             _fill(event.start_state, transition.start)
             _fill(event.goal_state, transition.goal)
-            self._transition_events.publish(event)
+            self._twin_transition_events.publish(event)
 
-    def _called_back(self, before: LifecycleState) -> TransitionCallbackReturn:
+    def _twin_called_back(self, before: LifecycleState) -> TransitionCallbackReturn:
         label = self._state_machine.current.label
         try:
             result = self._callbacks[label](before)
@@ -144,28 +144,28 @@ class LifecycleNodeMixin(ManagedEntity):
 
     # What its services answer ----------------------------------------------------------------------------------------
 
-    def _on_change_state(self, request: Any, response: Any) -> Any:
+    def _twin_on_change_state(self, request: Any, response: Any) -> Any:
         key = request.transition.label or request.transition.id
         if request.transition.label and not any(item.label == key for item in self._state_machine.available):
             response.success = False
             return response
-        response.success = self._change_state(key) is TransitionCallbackReturn.SUCCESS
+        response.success = self._twin_change_state(key) is TransitionCallbackReturn.SUCCESS
         return response
 
-    def _on_get_state(self, request: Any, response: Any) -> Any:
+    def _twin_on_get_state(self, request: Any, response: Any) -> Any:
         _fill(response.current_state, self._state_machine.current)
         return response
 
-    def _on_get_available_states(self, request: Any, response: Any) -> Any:
+    def _twin_on_get_available_states(self, request: Any, response: Any) -> Any:
         for state in STATES.values():
             response.available_states.append(_fill(message_class("lifecycle_msgs/msg/State")(), state))
         return response
 
-    def _on_get_available_transitions(self, request: Any, response: Any) -> Any:
+    def _twin_on_get_available_transitions(self, request: Any, response: Any) -> Any:
         response.available_transitions = [_description(item) for item in self._state_machine.available]
         return response
 
-    def _on_get_transition_graph(self, request: Any, response: Any) -> Any:
+    def _twin_on_get_transition_graph(self, request: Any, response: Any) -> Any:
         response.available_transitions = [_description(item) for item in TRANSITIONS]
         return response
 
