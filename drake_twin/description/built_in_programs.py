@@ -12,6 +12,10 @@ _PROGRAMS = {
         "depthimage_to_laserscan_node": ("depthimage_to_laserscan", "main"),
         "depthimage_to_laserscan::DepthImageToLaserScanROS": ("depthimage_to_laserscan", "main"),
     },
+    "irobot_create_nodes": {
+        "motion_control": ("create3_nodes", "motion_control"),
+        "ui_mgr": ("create3_nodes", "ui_mgr"),
+    },
     "moveit_ros_move_group": {"move_group": ("move_group", "main")},
     "image_proc": {"rectify_node": ("rectify_node", "main"), "image_proc::RectifyNode": ("rectify_node", "main")},
     "pointcloud_to_laserscan": {

@@ -216,3 +216,47 @@ print(hasattr(rclpy, "node"), hasattr(rclpy, "serialization"))
         twin.advance_to(0.01)
     found = ["node False", "qos False", "serialization False", "context True", "task True", "True False"]
     assert lines(capsys) == found
+
+
+def test_a_node_may_use_any_name_that_rclpys_own_leaves_free(tmp_path, capsys):
+    """rclpy/node.py of 7.1 has none of these: a program that has works on a robot, too."""
+    text = """
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from std_msgs.msg import String
+from tf2_msgs.action import LookupTransform
+
+
+class Mine(Node):
+    def __init__(self):
+        super().__init__("mine")
+        for name in ("actions", "entities", "_graph", "_name", "_namespace", "_executor", "_jumps", "_full", "_infos"):
+            setattr(self, name, None)
+        self.declare_parameter("speed", 1.0)
+        self.add_on_set_parameters_callback(lambda items: rclpy.node.SetParametersResult(successful=True))
+        self.client = ActionClient(self, LookupTransform, "look")
+        self.publisher = self.create_publisher(String, "words", 10)
+        self.create_subscription(String, "words", self._take, 10)
+        self.create_timer(0.01, self._looked)
+
+    def _set(self):
+        return "my own"
+
+    def _take(self, message):
+        print(message.data, self._set(), self.get_name(), self.count_publishers("words"))
+        raise SystemExit
+
+    def _looked(self):
+        self.publisher.publish(String(data=f"{self.get_parameter('speed').value}"))
+
+    _added = _removed = _resolved = _expanded = _refusal = _declare = _offers = _known_node = _set
+
+
+rclpy.init()
+rclpy.spin(Mine())
+"""
+    with running(script(tmp_path, "my.py", text)) as twin:
+        twin.advance_to(0.1)
+        assert lines(capsys) == ["1.0 my own mine 1"]
+        assert twin.findings == ()
