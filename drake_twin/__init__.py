@@ -24,7 +24,7 @@ if sys.version_info < (3, 11):  # noqa: UP036  # before another module is read, 
 
 if TYPE_CHECKING:
     from drake_twin.builder.twin_builder import TwinBuilder
-    from drake_twin.errors import CommandError, InputError, RunError, TwinError
+    from drake_twin.errors import CommandError, InputError, RunError, ThreadError, TwinError
     from drake_twin.findings import Finding, Kind, Weight
     from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
     from drake_twin.show import TwinPage, show
@@ -41,7 +41,7 @@ __version__ = "0.2.0"  # the one place: pyproject.toml reads it here, .github/RE
 
 _HOMES = {
     "builder.twin_builder": ("TwinBuilder",),
-    "errors": ("CommandError", "InputError", "RunError", "TwinError"),
+    "errors": ("CommandError", "InputError", "RunError", "ThreadError", "TwinError"),
     "findings": ("Finding", "Kind", "Weight"),
     "scenario": ("Command", "Robot", "Scenario", "StaticTransform", "World"),
     "show": ("TwinPage", "show"),
@@ -71,6 +71,7 @@ __all__ = [
     "Scenario",
     "Snapshot",
     "StaticTransform",
+    "ThreadError",
     "Twin",
     "TwinBuilder",
     "TwinError",

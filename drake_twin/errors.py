@@ -90,8 +90,16 @@ class CommandError(InputError):
         return CommandError(f"{topic}: {self.message}", deactivates=self.deactivates, **more)
 
 
+class CopyError(InputError, TypeError):
+    """Raised where a twin, or what belongs to it, is copied or pickled."""
+
+
 class RunError(TwinError):
     """Raised when the twin fails while it runs."""
+
+
+class ThreadError(TwinError, RuntimeError):
+    """Raised in a thread that the twin does not belong to, by what only its own thread can use."""
 
 
 def described(error: BaseException) -> str:

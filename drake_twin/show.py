@@ -9,7 +9,7 @@ from types import ModuleType
 from drake_twin.cockpit.served_page import ServedPage
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
-from drake_twin.program import announce_page
+from drake_twin.twin.owner import Owned, any_thread
 from drake_twin.twin.twin import Twin
 
 _FRAME = 1 / 30  # s
@@ -41,11 +41,11 @@ def show(twin: Twin, *, port: int | None = None, open_browser: bool = False) -> 
         raise InputError(f"{shortened(twin)} is not a twin: TwinBuilder(...).build() makes one")
     pages = (getattr(callback, "__self__", None) for callback in twin.frames.callbacks)
     page = next((item for item in pages if isinstance(item, TwinPage)), None) or TwinPage(twin, port)
-    announce_page(page.url, open_browser=open_browser)
+    page._page.announce(open_browser=open_browser)
     return page
 
 
-class TwinPage:
+class TwinPage(Owned, path="page"):
     """A page that shows and steers a twin. `show` makes one; it is a context manager that closes the page at its end.
 
     Args:
@@ -57,6 +57,7 @@ class TwinPage:
     """
 
     def __init__(self, twin: Twin, port: int | None = None):
+        self._owner = twin.owner
         self._twin = twin
         self._page = ServedPage(port, in_frames=True)
         self._cockpit = self._page.show(twin)
@@ -74,11 +75,13 @@ class TwinPage:
         loop.call_soon(_process_when_idle, weakref.ref(self), loop)
 
     @property
+    @any_thread
     def url(self) -> str:
         """The page's address, including its token."""
         return self._page.url
 
     @property
+    @any_thread
     def is_open(self) -> bool:
         """Whether the page is served."""
         return self._end_server.alive
@@ -128,7 +131,8 @@ def _process_when_idle(page: "weakref.ref[TwinPage]", loop: asyncio.AbstractEven
     """Process a page's requests from an asyncio loop, which runs this between its other tasks."""
     known = page()
     if known is not None and known.is_open:
-        known.process_requests()
+        if known._owner.is_here:  # else the thread that runs it processes them
+            known.process_requests()
         loop.call_later(_FRAME, _process_when_idle, page, loop)
 
 

@@ -43,10 +43,10 @@ ROOMS = [
     ["scenario"],
     ["description"],
     ["messages"],
-    ["program", "progress", "python_process", "whole_file"],
+    ["program", "progress", "python_process", "whole_file", "own_host"],
     ["findings"],
     ["typed_data"],
-    ["values", "extensions", "frozen", "requirements", "saved"],
+    ["values", "extensions", "frozen", "requirements", "saved", "versions"],
     ["errors"],
 ]
 RANKS = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}

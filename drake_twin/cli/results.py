@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.errors import RunError
 from drake_twin.program import say
-from drake_twin.whole_file import write_whole
+from drake_twin.whole_file import write_result
 
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
@@ -45,23 +45,6 @@ def save_results(
                 say(f"error: {error}", sys.stderr)
             failure = failure or error
     return failure
-
-
-def write_result(what: str, file: Path, content: str | bytes) -> None:
-    """Write a file whole.
-
-    Args:
-        what: What it is, for the error.
-        file: The file.
-        content: Its text, or its bytes.
-
-    Raises:
-        RunError: If it cannot be written.
-    """
-    try:
-        write_whole(file, content)
-    except OSError as error:
-        raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
 
 
 def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None, failure: RunError | None) -> None:

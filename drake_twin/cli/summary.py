@@ -4,11 +4,13 @@ from typing import Any
 
 from drake_twin.errors import RunError
 from drake_twin.twin.twin import Twin
+from drake_twin.versions import SUMMARY, head
 
 
 def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | None = None) -> dict[str, Any]:
     """Return the result of a run as plain data for JSON.
 
+    - ``format``, ``version`` of this form, ``written_by``: the versions for which the hash is promised
     - ``sim_time``, ``wall_time`` (s), ``real_time_factor`` (of this run), ``time_step`` (s), ``steps``
     - ``robots``: name → ``joints`` (names of the movable joints), ``positions`` (rad or m), ``velocities``,
       ``efforts`` (that actuators apply, N·m or N; None after a failure, for they are those of the next step),
@@ -38,6 +40,7 @@ def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | 
             "base_pose": list(state.base_pose),
         }
     return {
+        **head(SUMMARY),
         "sim_time": twin.time,
         "wall_time": wall_time,
         "real_time_factor": simulated / wall_time if wall_time > 0 else 0.0,

@@ -15,6 +15,7 @@ from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
 from drake_twin.cockpit.server import meshcat_script
 from drake_twin.shared_viewer.shared_scene import SharedScene
 from drake_twin.twin.twin import Twin
+from drake_twin.versions import stamp
 
 _DRAWN = 32.0  # poses a second of simulation time
 _FRAMES_PER_SECOND = 64.0  # of the recording: poses between two of the grid get a frame of their own
@@ -96,10 +97,12 @@ def _page(commands: list[bytes]) -> str:
     """Return the page with its scripts, its style and the scene's commands inlined."""
     static = resources.files("drake_twin.cockpit").joinpath("static")
     parts = {
+        "(generator)": stamp(),
         "/* scene.css */": static.joinpath("scene.css").read_text(),
         # A browser ends a script at the first "</script", also inside a string.
         "/* meshcat.js */": meshcat_script().decode().replace("</script", "<\\/script"),
         "/* viewer.js */": static.joinpath("viewer.js").read_text(),
+        "/* surroundings.js */": static.joinpath("surroundings.js").read_text(),
         "(commands)": "\n".join(base64.b64encode(command).decode() for command in commands),
     }
     page = static.joinpath("recorded.html").read_text()

@@ -12,6 +12,7 @@ _PROGRAMS = {
         "depthimage_to_laserscan_node": ("depthimage_to_laserscan", "main"),
         "depthimage_to_laserscan::DepthImageToLaserScanROS": ("depthimage_to_laserscan", "main"),
     },
+    "moveit_ros_move_group": {"move_group": ("move_group", "main")},
     "image_proc": {"rectify_node": ("rectify_node", "main"), "image_proc::RectifyNode": ("rectify_node", "main")},
     "pointcloud_to_laserscan": {
         "laserscan_to_pointcloud_node": ("pointcloud_to_laserscan", "cloud"),

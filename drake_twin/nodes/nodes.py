@@ -93,6 +93,8 @@ class Nodes:
         twin.more_topics = self.graph
         sys.meta_path.insert(0, self._finder)
         simulated_time.install()
+        self._has_baton = lambda: self._turns.is_here
+        twin.owner.guests.append(self._has_baton)
         alarm = twin.alarm
         alarm.call, alarm.jumped = self._slot, self._jump
         alarm.hasten(twin.time)
@@ -118,6 +120,7 @@ class Nodes:
         twin.more_topics = None
         if self._uses_inbox:
             twin.inbox.close()
+        twin.owner.guests.remove(self._has_baton)
         simulated_time.uninstall()
         sys.meta_path.remove(self._finder)
 
@@ -136,7 +139,8 @@ class Nodes:
 
     def _look_again(self) -> None:
         """Let the programs look at what there is on the graph."""
-        self._twin.alarm.hasten(self._turns.after * 1e-9)
+        if self._is_open:
+            self._twin.alarm.hasten(self._turns.after * 1e-9)
 
     def _start_due(self) -> None:
         for start in [item for item in self._waiting if item.time <= self._turns.limit]:
@@ -207,9 +211,7 @@ class Nodes:
 
     def ended(self, program: Program) -> None:
         """Take note of a program that has ended."""
-        for item in program.belongings:
-            if hasattr(item, "put_goal"):
-                self.actions.withdraw(item)
+        self.actions.forget(program)
         self.graph.forget(program)
         if self._is_open and self.shutdown_reason is None:
             self._follow(program, self._starts.pop(program))

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from drake_twin.description.python_programs import PythonProgram
 from drake_twin.nodes.child_processes import ChildProcesses
 from drake_twin.nodes.missing_modules import remedy
-from drake_twin.nodes.stand_ins import ROOTS
+from drake_twin.nodes.stand_ins import ROOTS, forget_members
 from drake_twin.nodes.task import Abandoned, Task, here
 from drake_twin.nodes.turns import Turns
 
@@ -301,6 +301,7 @@ class Program:
         if self.lent:
             for name in self.lent:
                 modules.pop(name, None)
+            forget_members(self.lent)
             self.lent.clear()
         if self._hidden:
             modules.update(self._hidden)

@@ -13,6 +13,8 @@ from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
+from drake_twin.scenario.names import name_in_twin as name_in_twin
+from drake_twin.scenario.names import problem_of_name, problem_of_namespace
 from drake_twin.scenario.node_program import NodeProgram as NodeProgram
 from drake_twin.scenario.push import PUSH_DURATION as PUSH_DURATION  # for those who import it from here
 from drake_twin.scenario.push import Push as Push
@@ -29,23 +31,6 @@ ENGINES = (DISCRETE, CENIC)
 # Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
 SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
 LONGEST_DELAY = 1.0  # s, of which all steps are kept
-
-# Names that a robot cannot have: those of other sub-diagrams and model instances.
-RESERVED_NAMES = frozenset(
-    (
-        "world",
-        "plant",
-        "scene_graph",
-        "clock",
-        "tf",
-        "ground_truth",
-        "entity_states",
-        "sensors",
-        "meshcat_visualizer",
-        "WorldModelInstance",
-        "DefaultModelInstance",
-    )
-)
 
 # How shapes touch: flat ones with their faces, or all of them in points.
 HYDROELASTIC, POINT = "hydroelastic", "point"
@@ -277,12 +262,6 @@ class ScenarioError(InputError):
         super().__init__(f"{'.'.join(map(str, path))}: {reason}", **more)
 
 
-def name_in_twin(name: str) -> str:
-    """Return a robot's name as the twin can take it: letters, digits, ``_`` and ``-``, and not a reserved name."""
-    name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
-    return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
-
-
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     yield from misfits(scenario, unchecked=("data",))  # a command's data is checked by its controller
     if not (scenario.robots or scenario.nodes):
@@ -310,10 +289,10 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         for name, valid in (("contact", CONTACTS), ("collision", COLLISION_KINDS)):
             if getattr(robot, name) not in valid:
                 yield ("robots", index, name), _unknown(getattr(robot, name), valid)
-        if not robot.name or not all(character.isalnum() or character in "_-" for character in robot.name):
-            yield ("robots", index, "name"), f"{robot.name!r} is not a name: use letters, digits, '_' and '-'"
-        if robot.name in RESERVED_NAMES:
-            yield ("robots", index, "name"), f"{robot.name!r} is the name of another part of the twin"
+        if (what := problem_of_name(robot.name)) is not None:
+            yield ("robots", index, "name"), what
+        if robot.namespace is not None and (what := problem_of_namespace(robot.namespace)) is not None:
+            yield ("robots", index, "namespace"), what
         if robot.name in names:
             yield ("robots", index, "name"), f"two robots are named {robot.name!r}"
         names.add(robot.name)

@@ -15,11 +15,13 @@ from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_absolute_files
 from drake_twin.typed_data import Reader, ValuePath
+from drake_twin.versions import SCENARIO
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
     """Write a scenario as YAML that `ScenarioFile` reads back to an equal scenario; defaults are left out."""
-    return yaml.dump(_as_plain(scenario), Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
+    plain = {"version": SCENARIO.version, **_as_plain(scenario)}
+    return yaml.dump(plain, Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
 
 
 class ScenarioFile:
@@ -38,8 +40,14 @@ class ScenarioFile:
 
     def __init__(self, text: str, file: str | Path):
         self._document = YamlDocument(text, file)
+        data = self._document.data
+        if isinstance(data, dict) and "version" in data:
+            try:
+                SCENARIO.check(data.pop("version"), file)
+            except InputError as error:
+                raise self._document.error(("version",), error.message) from None
         try:
-            self.as_written: Scenario = _Reader(self._document.error).read(Scenario, self._document.data)
+            self.as_written: Scenario = _Reader(self._document.error).read(Scenario, data)
         except ScenarioError as error:
             raise self.located(error) from None
 

@@ -10,6 +10,7 @@ from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.robot_model import as_expanded
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot
+from drake_twin.scenario.names import name_in_twin, problem_of_name
 from drake_twin.services.registry import Fields
 from drake_twin.twin.twin import Twin
 
@@ -55,9 +56,9 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
     if len(text) > MOST_TEXT:
         raise InputError(f"the description has more than {MOST_TEXT} characters")
     if not name and (own := re.search(r"""<(?:robot|model)\b[^>]*\sname\s*=\s*["']([^"']+)""", text)):
-        name = free_name(twin, own[1])
-    if not uri and not re.fullmatch(r"[\w-]{1,100}", name):
-        raise InputError(f"{name!r} is not a name: use letters, digits, '_' and '-'")
+        name = free_name(twin, name_in_twin(own[1]))
+    if (what := problem_of_name(name)) is not None:  # before a file has the name
+        raise InputError(what)
     if frame not in WORLD_NAMES:
         raise PoseError(f"a robot's start pose is in the world, not in {frame!r}")
     xyz, wxyz = pose_of(pose)

@@ -6,6 +6,7 @@ from typing import Any
 
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.messages import header
+from drake_twin.scenario.names import problem_of_name, problem_of_namespace
 from drake_twin.services import entities
 from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, twin_service
 from drake_twin.services.running import (
@@ -69,14 +70,14 @@ def _spawn(twin: Twin, request: Any) -> Fields:
         if not request.allow_renaming:
             return {"result": result(_NOT_UNIQUE, f"Entity [{name}] already exists.")}
         name = entities.free_name(twin, name)
-    if not re.fullmatch(r"[\w-]{1,100}", name):
-        return {"result": result(_NAME_INVALID, f"{name!r} is not a name: use letters, digits, '_' and '-'")}
+    if (what := problem_of_name(name)) is not None:
+        return {"result": result(_NAME_INVALID, what)}
     if not request.uri and not request.resource_string:
         return {"result": result(_NO_RESOURCE, "neither uri nor resource_string is given")}
     source = {"uri": request.uri} if request.uri else {"text": request.resource_string}
     space = request.entity_namespace
-    if not re.fullmatch(r"(/?\w+)*/?", space):
-        return {"result": result(_NAMESPACE_INVALID, f"{space!r} is not a namespace")}
+    if (what := problem_of_namespace(space)) is not None:
+        return {"result": result(_NAMESPACE_INVALID, what)}
     try:
         entities.spawn(twin, name, **source, namespace=space, pose=pose.pose, frame=pose.header.frame_id)
     except entities.PoseError as error:

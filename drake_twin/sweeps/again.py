@@ -6,13 +6,13 @@ from pathlib import Path
 
 from drake_twin.cli.target import Target
 from drake_twin.errors import InputError
-from drake_twin.program import version_text
 from drake_twin.scenario.scenario_file import ScenarioFile
 from drake_twin.sweeps.episode import episode_scenario
 from drake_twin.sweeps.launched import LaunchFile
 from drake_twin.sweeps.results import read_table
 from drake_twin.sweeps.variation import Episode
 from drake_twin.twin.twin import Twin
+from drake_twin.versions import stamp
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class EpisodeAgain:
             return ""
         if twin.state_sha256() == self.state_sha256:
             return f"row {self.number}: the same state as in the table, to the last bit"
-        known = "" if self.version == version_text() else f" (it was run with {self.version})"
+        known = "" if self.version == stamp() else f" (it was run with {self.version})"
         return f"warning: row {self.number}: the state differs from the table's{known}: files have changed since"
 
 

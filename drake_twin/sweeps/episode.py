@@ -11,7 +11,6 @@ from typing import Any
 
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.findings import Finding
-from drake_twin.program import version_text
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.sweeps.known_paths import check_paths
@@ -20,6 +19,7 @@ from drake_twin.sweeps.metrics import Condition, Metric, has_fallen
 from drake_twin.sweeps.state_log import StateLog
 from drake_twin.sweeps.variation import Design, Episode, Value
 from drake_twin.twin.twin import Twin
+from drake_twin.versions import SWEEP, stamp
 
 _TRIALS = 20  # values of a path
 _CHECKS = 20.0  # Hz at which a condition is asked
@@ -42,7 +42,7 @@ class Sweep:
         duration: The simulated time of an episode (s).
         metrics: What the episodes are judged by.
         until: The condition that ends an episode early.
-        version: The version of this package.
+        version: What wrote it, as `stamp` says.
         launch: The launch file whose arguments are varied; None if none are.
     """
 
@@ -62,7 +62,7 @@ class Sweep:
             InputError: If a metric has the name of another column.
         """
         _check_names([item.name for item in more.get("metrics", ())], design.paths)
-        return cls(scenario_to_yaml(scenario), design, duration, version=version_text(), **more)
+        return cls(scenario_to_yaml(scenario), design, duration, version=stamp(), **more)
 
     @cached_property
     def base(self) -> Scenario:
@@ -84,6 +84,7 @@ class Sweep:
     def definition(self) -> dict[str, Any]:
         """All that the rows depend on, as plain data."""
         return {
+            "format": SWEEP.version,
             "version": self.version,
             "scenario": self.yaml,
             "duration": self.duration,
@@ -95,7 +96,8 @@ class Sweep:
 
     @cached_property
     def _common(self) -> str:
-        same = {key: value for key, value in self.definition.items() if key not in ("vary", "samples", "seeds")}
+        own = ("format", "vary", "samples", "seeds")
+        same = {key: value for key, value in self.definition.items() if key not in own}
         return json.dumps(same, sort_keys=True)
 
     def id_of(self, episode: Episode) -> str:

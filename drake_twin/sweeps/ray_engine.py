@@ -20,12 +20,13 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError, RunError, TwinError, described
-from drake_twin.program import say, version_text
+from drake_twin.program import say
 from drake_twin.requirements import missing
 from drake_twin.sweeps.dispatch import Dispatcher, Worker, WorkerEndedError
 from drake_twin.sweeps.episode import Row, Runner, Sweep
 from drake_twin.sweeps.listening import Port, family, ports_of
 from drake_twin.sweeps.variation import Episode
+from drake_twin.versions import stamp
 
 _STORE = 80 * 2**20  # bytes of shared memory, the least that Ray takes: rows are small
 _ANSWER = 10.0  # s in which a cluster's address answers
@@ -56,8 +57,8 @@ class Episodes:
         Raises:
             RunError: If another version is installed on this machine.
         """
-        if version_text() != self._sweep.version:
-            raise RunError(f"{socket.gethostname()} has {version_text()}, and the sweep is of {self._sweep.version}")
+        if stamp() != self._sweep.version:
+            raise RunError(f"{socket.gethostname()} has {stamp()}, and the sweep is of {self._sweep.version}")
         return socket.gethostname(), os.getpid(), ports_of({*family(session), os.getpid()})
 
     def run(self, episode: Episode) -> Row:

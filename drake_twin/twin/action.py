@@ -6,6 +6,7 @@ from typing import Any
 
 from drake_twin import messages
 from drake_twin.errors import TwinError
+from drake_twin.twin.owner import Owned
 from drake_twin.twin.robot_control import RobotControl
 
 _log = logging.getLogger(__name__)
@@ -13,7 +14,7 @@ _log = logging.getLogger(__name__)
 _DONE = ("succeeded", "aborted", "canceled")
 
 
-class ActionGoal:
+class ActionGoal(Owned, path="goal"):
     """A goal with its status, feedback and result.
 
     Args:
@@ -37,6 +38,7 @@ class ActionGoal:
         controller: str,
         on_result: "Callable[[ActionGoal], None] | None",
     ):
+        self._owner = control.owner
         self.action = action
         self._type = type
         self._id = id
@@ -59,7 +61,8 @@ class ActionGoal:
     @property
     def is_done(self) -> bool:
         """Whether the goal has ended."""
-        return self.status in _DONE
+        self._look()
+        return self._status in _DONE
 
     @property
     def result(self) -> Any:
@@ -82,7 +85,8 @@ class ActionGoal:
 
     def deliver(self) -> bool:
         """Call back with the result if the goal has ended; return whether it has."""
-        if not self.is_done:
+        self._look()
+        if self._status not in _DONE:
             return False
         if self._on_result is not None:
             tell, self._on_result = self._on_result, None

@@ -4,13 +4,15 @@ from collections import deque
 from collections.abc import Callable
 from math import inf
 
+from drake_twin.twin.owner import Owned, Owner
 from drake_twin.twin.schedule import step_at
 
 
-class Alarm:
+class Alarm(Owned, path="twin.alarm"):
     """Calls a function at the first step that is not before a time; each call may set the next time.
 
     Args:
+        owner: The thread that the twin belongs to.
         time_step: The physics step (s).
 
     Attributes:
@@ -20,7 +22,8 @@ class Alarm:
         requests: What can be done only between two advances, such as a spawn; an advance ends for them.
     """
 
-    def __init__(self, time_step: float):
+    def __init__(self, owner: Owner, time_step: float):
+        self._owner = owner
         self.due_step: float = inf
         self.call: Callable[[], None] = lambda: None
         self.jumped: Callable[[float], None] = lambda before: None

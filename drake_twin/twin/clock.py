@@ -16,20 +16,26 @@ class Clock:
         time_step: The physics step (s).
 
     Attributes:
-        step: The number of physics steps since time zero, counted in steps of the present length.
+        step: The number of physics steps since time zero, counted in steps of the present length; `go_to` sets it.
+        time: Simulation time (s), written at once, so that other threads may read it.
         time_step: The physics step (s).
         next_time_step: The step to change to at its next multiple (s); None for no change.
     """
 
     def __init__(self, time_step: float):
-        self.step = 0
         self.time_step = time_step
+        self.step, self.time = 0, 0.0
         self.next_time_step: float | None = None
 
-    @property
-    def time(self) -> float:
-        """Simulation time (s)."""
-        return self.step * self.time_step
+    def go_to(self, step: int) -> None:
+        """Set the present step."""
+        self.step, self.time = step, step * self.time_step
+
+    def use(self, time_step: float) -> None:
+        """Count in steps of this length (s) from now on."""
+        step = step_at(self.time, time_step)
+        self.time_step = time_step
+        self.go_to(step)
 
     def steps(self, period: float) -> int:
         """Return the number of steps of a period (s), one at least."""
@@ -57,7 +63,7 @@ class Clock:
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Set the entries that `state` returned; the scenario sets the step length."""
-        self.step = state["step"]
+        self.go_to(state["step"])
         self.next_time_step = state["next_time_step"]
         if self.next_time_step is not None:
             meeting_step(self.step, self.time_step, self.next_time_step)

@@ -9,7 +9,7 @@ from drake_twin.twin.group import Group
 from drake_twin.twin.recording import recorded
 
 
-class Control(Group):
+class Control(Group, path="twin.control"):
     """The controllers of all robots; `Twin.control`."""
 
     def manager(self, robot: str) -> ControllerManager:

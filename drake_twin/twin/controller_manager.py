@@ -13,6 +13,7 @@ from drake_twin.controllers.registry import controller_types
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.twin.controller_switch import Switch, SwitchRules
+from drake_twin.twin.owner import Owned, Owner
 
 # Strictness of a switch, as in controller_manager_msgs/srv/SwitchController.
 UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 0, 1, 2, 3, 4
@@ -76,13 +77,14 @@ class HardwareComponent:
     state_interfaces: tuple[str, ...]
 
 
-class ControllerManager:
+class ControllerManager(Owned, path="twin.control.manager(…)"):
     """The controllers of one robot.
 
     Args:
         plan: The robot.
         switched: Called at every change with the activated controllers and those deactivated before.
         note: Called with the method and the arguments of every call that may change something.
+        owner: The thread that the twin belongs to; by default this one.
 
     Attributes:
         loaded: Is called with a controller that has been loaded.
@@ -96,7 +98,9 @@ class ControllerManager:
         plan: RobotPlan,
         switched: Callable[[tuple[str, ...], tuple[str, ...]], None],
         note: Callable[..., object] = lambda *call: None,
+        owner: Owner | None = None,
     ):
+        self._owner = owner or Owner()
         self._plan = plan
         self._plans = {item.name: item for item in plan.controllers}
         self._switched = switched

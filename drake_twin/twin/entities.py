@@ -14,6 +14,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.scenario.absolute_files import robot_with_files_found
+from drake_twin.scenario.names import LONGEST_NAME
 from drake_twin.twin.entity_state import (
     EntityState,
     Wrench,
@@ -25,6 +26,7 @@ from drake_twin.twin.entity_state import (
     set_joint_positions,
 )
 from drake_twin.twin.group import Group
+from drake_twin.twin.owner import any_thread
 from drake_twin.twin.pull import PERIOD, make_pull
 from drake_twin.twin.recording import recorded
 from drake_twin.twin.session import Session
@@ -35,7 +37,7 @@ _log = logging.getLogger(__name__)
 _STILL = (0.0, 0.0, 0.0)
 
 
-class Entities(Group):
+class Entities(Group, path="twin.entities"):
     """What is in the world: robots, its models, and their links (``robot_1::base_link``); `Twin.entities`."""
 
     @recorded("spawn", outside_callbacks="spawn")
@@ -95,6 +97,7 @@ class Entities(Group):
         session.rebuild(replace(scenario, robots=kept, commands=commands, values=values, pushes=pushes))
 
     @property
+    @any_thread
     def first_robots(self) -> tuple[str, ...]:
         """The names of the robots that the twin started with; the others have been spawned since."""
         return self._session.first_robots
@@ -193,8 +196,9 @@ class Entities(Group):
         pose = (*finite_numbers(xyz, 3, "position"), *finite_numbers(rpy, 3, "roll, pitch and yaw"))
         _check_model(session, model)
         assert session.built.world_file is not None
-        if not isinstance(name, str) or not name or "::" in name:
-            raise InputError(f"{shortened(name)} cannot name a model")
+        if not isinstance(name, str) or "::" in name or not (0 < len(name) <= LONGEST_NAME and name.isprintable()):
+            text = f"{shortened(name)} cannot name a model: use 1 to {LONGEST_NAME} printable characters without '::'"
+            raise InputError(text)
         if name in (*session.robots, *(item.name for item in session.built.world_file.models), *world.without_models):
             raise InputError(f"Entity [{name}] already exists.")
         x, y, z, roll, pitch, yaw = map(float, pose)

@@ -10,6 +10,7 @@ from typing import Any
 from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.messages.interface_types import make
 from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
+from drake_twin.twin.owner import Owned, Owner, any_thread
 
 ROSOUT, PARAMETER_EVENTS, DIAGNOSTICS = "/rosout", "/parameter_events", "/diagnostics"
 
@@ -38,10 +39,11 @@ class _Subscriber:
         self.waiting: deque[Draft] = deque(maxlen=depth)
 
 
-class EventTopic:
+class EventTopic(Owned, path="twin.graph.events[…]"):
     """A topic whose messages are published one by one.
 
     Args:
+        owner: The thread that the twin belongs to.
         endpoint: The topic; of a latched one, late subscribers get the last messages.
         now: Returns the simulation time (s).
         note: Is called when a message waits for a subscriber.
@@ -54,7 +56,8 @@ class EventTopic:
         report: Returns the fields of the present message, of a topic with a rate; its subscriptions are not here.
     """
 
-    def __init__(self, endpoint: Endpoint, now: Callable[[], float], note: Callable[[], None]):
+    def __init__(self, owner: Owner, endpoint: Endpoint, now: Callable[[], float], note: Callable[[], None]):
+        self._owner = owner
         self.endpoint = endpoint
         self.is_heard = False
         self.followed: Callable[[bool], None] = lambda is_heard: None
@@ -63,6 +66,7 @@ class EventTopic:
         self._subscribers: list[_Subscriber] = []
         self._kept: deque[tuple[float, Draft]] = deque(maxlen=endpoint.depth if endpoint.latched else 0)
 
+    @any_thread
     def put(self, fields: Callable[[], Mapping[str, Any]]) -> None:
         """Publish a message, from any thread.
 
@@ -77,11 +81,14 @@ class EventTopic:
             subscriber.waiting.append(draft)
             self._note()
 
-    def subscribe(self, callback: Callable[[Any], None], *, drafts: bool = False) -> Callable[[], None]:
-        """Call back with the messages, first with those that are kept; return a function that ends it."""
+    def subscribe(
+        self, callback: Callable[[Any], None], *, drafts: bool = False, kept: bool = True
+    ) -> Callable[[], None]:
+        """Call back with the messages, first with those that are kept if wanted; return a function that ends it."""
         subscriber = _Subscriber(callback, self.endpoint.depth, takes_drafts=drafts)
         now, longest = self.now(), self.endpoint.lifespan or float("inf")
-        subscriber.waiting.extend(draft for time, draft in tuple(self._kept) if 0 <= now - time <= longest)
+        if kept:
+            subscriber.waiting.extend(draft for time, draft in tuple(self._kept) if 0 <= now - time <= longest)
         if subscriber.waiting:
             self._note()
         self._subscribers.append(subscriber)
@@ -92,7 +99,7 @@ class EventTopic:
                 self._subscribers.remove(subscriber)
                 self._follow()
 
-        return end
+        return self._owner.guard("the end of a subscription", end)
 
     def latest(self) -> Any:
         """Return the present message, or the one that was published last; None where none is kept."""
@@ -133,15 +140,16 @@ class EventTopics(Mapping[str, EventTopic]):
     """The topics by their names.
 
     Args:
+        owner: The thread that the twin belongs to.
         now: Returns the simulation time (s).
 
     Attributes:
         is_waiting: Whether a message waits for a subscriber.
     """
 
-    def __init__(self, now: Callable[[], float]):
+    def __init__(self, owner: Owner, now: Callable[[], float]):
         self.is_waiting = False
-        self._topics = {item.name: EventTopic(item, now, self._note) for item in _ENDPOINTS}
+        self._topics = {item.name: EventTopic(owner, item, now, self._note) for item in _ENDPOINTS}
 
     def __getitem__(self, topic: str) -> EventTopic:
         return self._topics[topic]

@@ -19,6 +19,7 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
 from drake_twin.twin.event_topics import EventTopic, EventTopics
 from drake_twin.twin.group import Group
+from drake_twin.twin.owner import any_thread
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
 from drake_twin.twin.stepper import Stepper
@@ -26,10 +27,11 @@ from drake_twin.twin.subscriptions import Subscription, Subscriptions
 from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
+_END = "the end of a subscription"
 _FREE = (-float("inf"), float("inf"))
 
 
-class Graph(Group):
+class Graph(Group, path="twin.graph"):
     """Topics and actions; `Twin.graph`."""
 
     def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
@@ -49,6 +51,7 @@ class Graph(Group):
         return {action: item.type for action, item in self._session.built.actions.items()}
 
     @property
+    @any_thread
     def events(self) -> EventTopics:
         """The topics that no port of the diagram has: ``/rosout``, ``/parameter_events``, ``/diagnostics``."""
         return self._session.events
@@ -125,7 +128,7 @@ class Graph(Group):
             if delay:
                 session.commands.hold(port, message(item.type, data), session.clock.time + delay)
             else:
-                session.commands.queue.append((port, value))
+                session.commands.pend(port, value)
             heard = True
         if refused is not None and not heard:
             raise refused
@@ -213,8 +216,10 @@ class Graph(Group):
         session.commands.set(action, value, session.clock.time)
         return session.goals.add(action, item, value, control, on_result)
 
-    def subscribe(self, topic: Any, callback: Any, rate: Any, *, drafts: bool = False) -> Callable[[], None]:
-        """Call back with a topic's messages; see `Twin.subscribe`."""
+    def subscribe(
+        self, topic: Any, callback: Any, rate: Any, *, drafts: bool = False, kept: bool = True
+    ) -> Callable[[], None]:
+        """Call back with a topic's messages, of an event also with those that are kept; see `Twin.subscribe`."""
         if not callable(callback):
             raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
         if rate is not None and not is_number(rate, 1e-6):
@@ -222,11 +227,10 @@ class Graph(Group):
         session = self._session
         if (event := self._event(topic)) is not None:
             if event.endpoint.rate is None:
-                return event.subscribe(callback, drafts=drafts)
+                return event.subscribe(callback, drafts=drafts, kept=kept)
             period = 1.0 / (rate or event.endpoint.rate)
-            return session.subscriptions.add(
-                Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
-            )
+            subscription = Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
+            return self._owner.guard(_END, session.subscriptions.add(subscription))
         name = self.published_topic(topic).topic
 
         def of_port(port: str) -> Subscription:
@@ -244,7 +248,7 @@ class Graph(Group):
                 has_publications=item.publication is not None,
             )
 
-        return session.subscriptions.add_topic(name, of_port)
+        return self._owner.guard(_END, session.subscriptions.add_topic(name, of_port))
 
     def subscribe_drafts(self, topic: str, callback: Callable[[Draft], None]) -> Callable[[], None]:
         """Call back with drafts of a topic's messages, which any thread may make; otherwise like `Twin.subscribe`."""

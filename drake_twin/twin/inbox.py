@@ -4,8 +4,18 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from threading import Event, Lock
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from drake_twin.errors import RunError
+from drake_twin.twin.owner import Owned, Owner, any_thread
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+_T = TypeVar("_T")
 
 MOST = 1000  # requests that wait
+MOST_BYTES = 256 << 20  # of their messages
 PERIOD = 0.005  # s of simulation time between two looks; each millisecond would cost half as much as the physics
 
 
@@ -15,13 +25,17 @@ class _Request:
     topic: str | None
     must_stay: bool
     between_advances: bool
+    size: int
 
 
-class Inbox:
+class Inbox(Owned, path="twin.inbox"):
     """Requests of other threads, done in the order of their arrival.
 
     Each is done in the thread that advances the twin: at a step boundary, or, for what a callback cannot do, between
     two advances. While nobody uses the inbox, nobody looks into it.
+
+    Args:
+        owner: The thread that the twin belongs to.
 
     Attributes:
         is_open: Whether anybody uses the inbox.
@@ -29,19 +43,25 @@ class Inbox:
         looks: Functions to call between two advances, before the requests.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, owner: Owner) -> None:
+        self._owner = owner
+        self._asked: set[Future[Any]] = set()
+        self._has_ended = False
         self.looks: list[Callable[[], None]] = []
         self._users = self._urgent_users = 0
         self.is_open = self.is_urgent = False
         self._waiting: deque[_Request] = deque()
+        self._bytes = 0
         self._lock = Lock()
         self._arrived = Event()
 
     @property
+    @any_thread
     def is_waiting(self) -> bool:
         """Whether a request waits."""
         return bool(self._waiting)
 
+    @any_thread
     def open(self, *, urgent: bool = True) -> None:
         """Use the inbox until `close`.
 
@@ -51,15 +71,79 @@ class Inbox:
         """
         self._count(1, urgent)
 
+    @any_thread
     def close(self, *, urgent: bool = True) -> None:
         """End what `open` began, with the same argument."""
         self._count(-1, urgent)
 
     def _count(self, more: int, urgent: bool) -> None:
-        self._users += more
-        self._urgent_users += more if urgent else 0
-        self.is_open, self.is_urgent = self._users > 0, self._urgent_users > 0
+        with self._lock:
+            self._users += more
+            self._urgent_users += more if urgent else 0
+            self.is_open, self.is_urgent = self._users > 0, self._urgent_users > 0
 
+    @any_thread
+    def ask(self, function: Callable[[], _T], *, between_advances: bool = False) -> "Future[_T]":
+        """Have the twin's own thread call a function, from any thread; in the own thread, call it at once.
+
+        It is called at the next step boundary of an advance, where it may do what a callback may: read the twin,
+        publish, pause, push; and in each frame of `Twin.run`, also while paused.
+
+        Args:
+            function: For example ``lambda: twin.robot_state("robot_1")``.
+            between_advances: Whether it does what a callback cannot, such as `Entities.spawn` or `Twin.reset`: it is
+                called at the next frame of `Twin.run`, or when `Twin.advance_to` is called next.
+
+        Returns:
+            ``ask(…).result(timeout)`` waits for what the function returns, and raises what it raises.
+
+        Raises:
+            RunError: If `MOST` requests wait already, or the twin is closed.
+        """
+        from concurrent.futures import Future  # an import that start-up spares
+
+        future: Future[_T] = Future()
+        is_here = self._owner.is_here
+
+        def act() -> None:
+            if future not in self._asked:
+                return
+            self._asked.remove(future)
+            if not is_here:
+                self.close()
+            if not future.set_running_or_notify_cancel():
+                return
+            try:
+                result = function()
+            except Exception as error:
+                future.set_exception(error)
+            else:
+                future.set_result(result)
+
+        if self._has_ended:
+            raise RunError("the twin is closed")
+        self._asked.add(future)
+        if is_here:
+            act()
+            return future
+        self.open()
+        if not self.put(act, between_advances=between_advances):
+            self._asked.remove(future)
+            self.close()
+            raise RunError(f"{MOST} requests wait in the twin's inbox already: it does them only while it advances")
+        if self._has_ended:  # meanwhile
+            self.end()
+        return future
+
+    def end(self) -> None:
+        """Refuse what was asked and is not answered, for the twin is closed."""
+        self._has_ended = True
+        while self._asked:
+            future = self._asked.pop()
+            if future.set_running_or_notify_cancel():
+                future.set_exception(RunError("the twin is closed"))
+
+    @any_thread
     def put(
         self,
         act: Callable[[], None],
@@ -68,11 +152,12 @@ class Inbox:
         must_stay: bool = False,
         between_advances: bool = False,
         is_urgent: bool = True,
+        size: int = 0,
     ) -> bool:
         """Put a request into the inbox, from any thread.
 
-        With `MOST` requests waiting, the oldest one of the same topic is dropped, but never one that must stay, and
-        never the newest of a topic.
+        With `MOST` requests or messages of `MOST_BYTES` waiting, the oldest one of the same topic is dropped, but never
+        one that must stay, and never the newest of a topic.
 
         Args:
             act: Does it, in the simulation's thread; it must not raise.
@@ -80,16 +165,18 @@ class Inbox:
             must_stay: Whether a later command does not make up for it, as for a stop.
             between_advances: Whether it does what a callback cannot do, such as a spawn.
             is_urgent: Whether it ends a `wait`.
+            size: The bytes of a command's message.
 
         Returns:
             False if something was dropped: an older request, or, of no topic, this one.
         """
-        request = _Request(act, topic, must_stay, between_advances)
+        request = _Request(act, topic, must_stay, between_advances, size)
         with self._lock:
-            is_full = len(self._waiting) >= MOST
+            is_full = len(self._waiting) >= MOST or (size > 0 and self._bytes > MOST_BYTES)
             if is_full and topic is None:
                 return False
             self._waiting.append(request)
+            self._bytes += size
             if is_full and topic is not None:
                 self._drop_one(topic)
         if is_urgent:
@@ -118,6 +205,7 @@ class Inbox:
                 if not self._waiting or not may_be_done(self._waiting[0]):
                     return
                 request = self._waiting.popleft()
+                self._bytes -= request.size
             request.act()
 
     def _drop_one(self, topic: str) -> None:
@@ -134,4 +222,6 @@ class Inbox:
         droppable = of_topic or of_others
         if not droppable:  # all that wait must stay: the oldest of the topic says the same as a newer one
             droppable = [index for index, item in enumerate(self._waiting) if item.topic == topic][:1]
-        del self._waiting[min(droppable)]
+        dropped = min(droppable)
+        self._bytes -= self._waiting[dropped].size
+        del self._waiting[dropped]

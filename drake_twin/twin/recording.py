@@ -15,12 +15,13 @@ from drake_twin.messages import shortened
 from drake_twin.saved import saved
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.scenario.absolute_files import robot_with_files_found, with_files_found
+from drake_twin.twin.owner import Owned, Owner, any_thread
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.version_1 import converted_recording
+from drake_twin.versions import RECORDING
 
-_KIND, _VERSION = "recording", 2
 CONTROLLER_MANAGER = "controller_manager"
 SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
 CALLS = {
@@ -98,7 +99,7 @@ class Recording:
         Raises:
             RunError: If the file cannot be written.
         """
-        write_saved(file, _KIND, _VERSION, {"recording": to_plain(self)})
+        write_saved(file, RECORDING, {"recording": to_plain(self)})
 
     @classmethod
     def load(cls, file: str | Path) -> "Recording":
@@ -108,7 +109,7 @@ class Recording:
             InputError: If the file cannot be read, or is not a recording of a known version.
         """
         try:
-            recording = from_plain(read_saved(file, _KIND, _VERSION, converted_recording).get("recording"))
+            recording = from_plain(read_saved(file, RECORDING, converted_recording).get("recording"))
         except InputError as error:
             raise InputError(error.message, file=file) from None
         if not isinstance(recording, cls):
@@ -116,10 +117,11 @@ class Recording:
         return recording
 
 
-class Recorder:
+class Recorder(Owned, path="twin.recorder"):
     """Record calls.
 
     Args:
+        owner: The thread that the twin belongs to.
         time: Returns the present simulation time (s).
         snapshot: Returns the present moment.
 
@@ -128,13 +130,14 @@ class Recorder:
         listeners: Called with the name and the arguments of each call that was not refused.
     """
 
-    def __init__(self, time: Callable[[], float], snapshot: Callable[[], Snapshot]):
-        self._time, self._snapshot = time, snapshot
+    def __init__(self, owner: Owner, time: Callable[[], float], snapshot: Callable[[], Snapshot]):
+        self._owner, self._time, self._snapshot = owner, time, snapshot
         self.start: Snapshot | None = None
         self.listeners: list[Callable[[str, tuple[Any, ...]], None]] = []
         self._calls: list[Call] = []
 
     @property
+    @any_thread
     def is_on(self) -> bool:
         """Whether a recording has begun."""
         return self.start is not None

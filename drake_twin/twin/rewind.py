@@ -9,6 +9,7 @@ from typing import Any
 from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.errors import InputError, RunError
 from drake_twin.findings import Kind, texts
+from drake_twin.twin.owner import Owned
 from drake_twin.twin.recording import CONTROLLER_MANAGER
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.twin import Twin
@@ -55,7 +56,7 @@ class _Moment:
         return Snapshot(scenario=self.scenario, **pickle.loads(self.packed))
 
 
-class Rewind:
+class Rewind(Owned, path="rewind"):
     """Keeps moments of a twin on a grid of simulation times as it advances, and returns to them.
 
     The state is only read, so that a run with it is the same to the last bit. Moments that a reset, a restored state
@@ -80,6 +81,7 @@ class Rewind:
                 raise InputError(f"{value!r} is not valid for {name}: it must be above 0 s and at most {_LONGEST:g} s")
         if not is_number(most_bytes) or most_bytes <= 0:
             raise InputError(f"{most_bytes!r} is not valid for most_bytes: it must be above zero")
+        self._owner = twin.owner
         self._twin, self._seconds, self._most_bytes = twin, float(seconds), most_bytes
         self._moments: deque[_Moment] = deque()
         self._marks: dict[tuple[str, str, float], Mark] = {}  # by kind, text and start

@@ -21,6 +21,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.joint_servo import ServoAssignment
 from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.owner import Owner
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.servo_modes import (
@@ -44,8 +45,10 @@ class RobotControl:
         plan: The robot.
         clear: Called with the robot and a controller whose input ports are to be cleared.
         note: Called with each user's call that changes the controllers.
+        owner: The thread that the twin belongs to.
 
     Attributes:
+        owner: The thread that the twin belongs to.
         manager: The controller manager.
         command_delay: How much later commands reach its controllers (s).
         stopped: Whether an emergency stop is active.
@@ -61,13 +64,16 @@ class RobotControl:
     _parts: RobotDiagram
     _in_plant: RobotInPlant
 
-    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., object]):
+    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., object], owner: Owner):
+        self.owner = owner
         self._plan = plan
         self._clear = clear
         self._note = note
         self.controllers: dict[str, Controller] = {}
         self._contexts: dict[str, Context] = {}
-        self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
+        self.manager = ControllerManager(
+            plan, self._switch, functools.partial(note, "controller_manager", plan.name), owner
+        )
         self.command_delay = plan.robot.command_delay
         self.stopped = False
         self.check_period: float | None = None

@@ -11,10 +11,11 @@ from drake_twin.errors import InputError
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_system import SensorSystem
 from drake_twin.systems.no_message import or_none
+from drake_twin.twin.owner import Owned
 from drake_twin.twin.session import Session
 
 
-class SensorReading:
+class SensorReading(Owned, path="twin.sensor(…)"):
     """A sensor of a twin; each of its values is measured when it is asked for, at the present time.
 
     Args:
@@ -27,6 +28,7 @@ class SensorReading:
     """
 
     def __init__(self, session: Session, robot: str, name: str):
+        self._owner = session.owner
         self._session, self._robot, self._name = session, robot, name
         self._system()
 

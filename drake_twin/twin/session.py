@@ -14,6 +14,7 @@ from pydrake.geometry import Meshcat
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import Finding, Kind
+from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_files_found
@@ -24,11 +25,11 @@ from drake_twin.twin.commands import Commands
 from drake_twin.twin.event_topics import ROSOUT, EventTopics
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
+from drake_twin.twin.owner import Owner
 from drake_twin.twin.parameter_changes import ParameterChanges
 from drake_twin.twin.physics import Physics, has_other_parameters, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.rosout import TwinLog, log_of
-from drake_twin.twin.schedule import step_at
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions
@@ -59,8 +60,10 @@ class Session:
         plans: Plans of its robots that were made before.
         extensions: Add a user's own systems to the diagram.
         note: Takes note of calls to the controllers.
+        owner: The thread that it belongs to.
 
     Attributes:
+        owner: The thread that it belongs to.
         scenario: The scenario.
         first_robots: The names of the robots at the start.
         clock: The time.
@@ -86,8 +89,9 @@ class Session:
         plans: Iterable[RobotPlan],
         extensions: Sequence[Extension],
         note: Callable[..., object],
+        owner: Owner,
     ):
-        self._meshcat, self._extensions, self._note = meshcat, tuple(extensions), note
+        self._meshcat, self._extensions, self._note, self.owner = meshcat, tuple(extensions), note, owner
         self.scenario = self._given = scenario = with_files_found(scenario)
         self._text: tuple[Scenario | None, str] = None, ""  # as YAML
         self.first_robots = tuple(robot.name for robot in scenario.robots)
@@ -96,9 +100,9 @@ class Session:
         self.controls: dict[str, RobotControl] = {}
         self.subscriptions = Subscriptions(scenario.time_step)
         self.simulated = 0.0
-        self.alarm = Alarm(scenario.time_step)
-        self.events = EventTopics(lambda: self.clock.time)
         self.is_advancing: Callable[[], bool] = lambda: False
+        self.alarm = Alarm(owner, scenario.time_step)
+        self.events = EventTopics(owner, lambda: self.clock.time)
         self.parameters = ParameterChanges(self, lambda: self.clock.time)
         TwinLog(self.events[ROSOUT])
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
@@ -124,7 +128,7 @@ class Session:
         for plan in self.built.plans:
             if plan.name == robot:
                 return plan
-        raise InputError(f"unknown robot {robot!r}", value=str(robot), valid=self.robots)
+        raise InputError(f"unknown robot {shortened(robot)}", value=str(robot), valid=self.robots)
 
     def control(self, robot: Any) -> RobotControl:
         """Return a robot's controllers.
@@ -287,8 +291,7 @@ class Session:
         state, before, known = self.state(), self.scenario.commands, dict(self.controls)
         self.scenario = self._given = scenario
         if scenario.time_step != self.clock.time_step:
-            self.clock.step = step_at(self.clock.time, scenario.time_step)
-            self.clock.time_step = scenario.time_step
+            self.clock.use(scenario.time_step)
         physics.context.SetTime(physics.time_of(self.clock.step))
         self._use(physics)
         for name, control in self.controls.items():
@@ -322,7 +325,7 @@ class Session:
             self.rebuild(scenario)
 
     def _start(self) -> None:
-        self.clock.step = 0
+        self.clock.go_to(0)
         self.physics.start_at_rest()
         self.commands.start(self.scenario.commands)
         self.wrenches.start(self.physics.pushes)
@@ -340,7 +343,7 @@ class Session:
             if control is not None and has_other_parameters(plan, control.plan):
                 control.follow(plan)
             elif control is None or control.plan is not plan:
-                control = RobotControl(plan, self.commands.clear, self._note)
+                control = RobotControl(plan, self.commands.clear, self._note, self.owner)
                 control.manager.loaded = partial(self.parameters.loaded, plan.name)
                 control.manager.configured = partial(self.parameters.configured, plan.name)
                 control.manager.default_strictness = partial(self.parameters.strictness, plan.name)

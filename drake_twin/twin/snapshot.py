@@ -13,8 +13,8 @@ from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.version_1 import converted_state
 from drake_twin.typed_data import field_types, misfit
 from drake_twin.values import is_number
+from drake_twin.versions import SAVED_STATE
 
-_KIND, _VERSION = "saved state", 2
 _OPTIONAL = {"systems", "pushes", "delayed", "later_parameters"}  # entries that are left out where they are empty
 
 
@@ -93,7 +93,7 @@ class Snapshot:
         Raises:
             RunError: If the file cannot be written.
         """
-        write_saved(file, _KIND, _VERSION, {"scenario": self.scenario, **self.state()})
+        write_saved(file, SAVED_STATE, {"scenario": self.scenario, **self.state()})
 
     @classmethod
     def load(cls, file: str | Path) -> "Snapshot":
@@ -102,7 +102,7 @@ class Snapshot:
         Raises:
             InputError: If the file cannot be read, or is not a snapshot of a known version.
         """
-        data = read_saved(file, _KIND, _VERSION, converted_state)
+        data = read_saved(file, SAVED_STATE, converted_state)
         names = set(cls.__dataclass_fields__)
         if not names - _OPTIONAL <= set(data) <= names:
             raise InputError(f"a saved state has the entries {', '.join(sorted(names - _OPTIONAL))}", file=file)

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 from math import floor
 from operator import lt
-from threading import get_ident
 from typing import Any
 
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
@@ -43,27 +42,24 @@ class Stepper:
         self._session = session
         self._inbox = inbox
         self._publish = publish
-        self._thread: int | None = None
+        self._is_advancing = False
         self._refused: dict[str, str] = {}  # topics of the scenario's commands → why the last one was refused
         self.paused = False
-        session.is_advancing = lambda: self.is_advancing
+        session.is_advancing = session.owner.is_advancing = lambda: self.is_advancing
 
     @property
     def is_advancing(self) -> bool:
-        """Whether the session is advancing, so that the caller is a callback or another thread."""
-        return self._thread is not None
+        """Whether the session is advancing, so that the caller is a callback."""
+        return self._is_advancing
 
     def refuse_inside_callback(self, what: str) -> None:
-        """Refuse what a callback or another thread cannot do while the session advances.
+        """Refuse what a callback cannot do.
 
         Raises:
             InputError: If the session is advancing.
         """
-        if self._thread is None:
-            return
-        if self._thread != get_ident():
-            raise InputError(f"one thread cannot {what} a twin that another one advances: let it pause or end first")
-        raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
+        if self._is_advancing:
+            raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
 
     def advance(self, target: int, time: float | None = None) -> None:
         """Advance to a step, or until paused.
@@ -76,9 +72,8 @@ class Stepper:
             InputError: If the session is advancing already.
             RunError: If a step fails; the state is the one before that step then.
         """
-        if self._thread is not None:
-            self.refuse_inside_callback("advance")
-        self._thread = get_ident()
+        self.refuse_inside_callback("advance")
+        self._is_advancing = True
         session, clock = self._session, self._session.clock
         start = clock.step * clock.time_step
         end = target * clock.time_step if time is None else time
@@ -114,7 +109,7 @@ class Stepper:
                 self.change_time_step()  # the next caller finds the step length that is valid from here on
         finally:
             session.simulated += clock.step * clock.time_step - start
-            self._thread = None
+            self._is_advancing = False
 
     def change_time_step(self) -> bool:
         """Change to the next step length if its time has come; return whether the step has changed."""
@@ -155,7 +150,7 @@ class Stepper:
         except KeyboardInterrupt:  # somewhere within a step
             self._go_back_to_start(start)
             raise
-        clock.step = round(physics.context.get_time() / clock.time_step)
+        clock.go_to(round(physics.context.get_time() / clock.time_step))
         if noticed:
             for control in controls:
                 control.deactivate_faulty()
@@ -228,7 +223,8 @@ class Stepper:
             try:
                 for step in range(clock.step + 1, end + 1):
                     self._advance_simulator(step)
-                    before, good, clock.step = good, physics.moment(), step
+                    before, good = good, physics.moment()
+                    clock.go_to(step)
             except (Exception, SystemExit) as again:
                 error = again
         earlier = None if before is good else before

@@ -25,6 +25,7 @@ from drake_twin.twin.graph import Graph
 from drake_twin.twin.group import Group
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.old_names import OldNames
+from drake_twin.twin.owner import Owner, any_thread
 from drake_twin.twin.real_time import Frames, run_in_real_time
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.sensor_reading import SensorReading
@@ -42,7 +43,7 @@ class Closable(Protocol):
         """End it."""
 
 
-class Twin(Group, OldNames):
+class Twin(Group, OldNames, path="twin"):
     """A scenario, running.
 
     Args:
@@ -58,9 +59,10 @@ class Twin(Group, OldNames):
         graph: Topics and actions by name, goals, commands.
         clock: The physics step, and the pace of a run.
         recorder: Takes note of what is done to the twin, once ``recorder.begin`` has been called.
+        owner: The thread that it belongs to; ``owner.hand_over()`` lets another one use it.
         frames: The frames of `run`; ``frames.callbacks`` lists functions to call at each, about 30 times a second.
         alarm: Stops of the simulation for who runs in lock-step with it.
-        inbox: What other threads ask of the twin.
+        inbox: What other threads ask of the twin: ``inbox.ask(function)``.
         more_findings: Findings of what runs beside it, such as node programs.
         companions: What runs beside it, and is closed with it.
         more_topics: The topics of its node programs; None without any.
@@ -76,9 +78,10 @@ class Twin(Group, OldNames):
         plans: Iterable[RobotPlan] = (),
         extensions: Sequence[Extension] = (),
     ):
-        self.recorder = Recorder(lambda: self.time, self.snapshot)
-        session = Session(scenario, meshcat, plans, extensions, self.recorder.note)
-        self.inbox, self.frames, self.alarm = Inbox(), Frames(), session.alarm
+        self.owner = Owner()
+        self.recorder = Recorder(self.owner, lambda: self.time, self.snapshot)
+        session = Session(scenario, meshcat, plans, extensions, self.recorder.note, self.owner)
+        self.inbox, self.frames, self.alarm = Inbox(self.owner), Frames(), session.alarm
         self.more_findings: list[Finding] = []
         self.companions: list[Closable] = []
         self.more_topics: MoreTopics | None = None
@@ -93,6 +96,7 @@ class Twin(Group, OldNames):
         session.check_commands(self.graph.check)
 
     @property
+    @any_thread
     def scenario(self) -> Scenario:
         """What runs."""
         return self._session.scenario
@@ -122,14 +126,16 @@ class Twin(Group, OldNames):
         return self._session.physics.context
 
     @property
+    @any_thread
     def time(self) -> float:
         """Simulation time (s)."""
         return self._session.clock.time
 
     @property
+    @any_thread
     def robots(self) -> tuple[str, ...]:
         """The robots' names."""
-        return self._session.robots
+        return tuple(robot.name for robot in self._session.scenario.robots)
 
     @property
     def findings(self) -> Findings:
@@ -301,10 +307,12 @@ class Twin(Group, OldNames):
             self._session.clock.step_at(until)  # raises if it is not a time
         run_in_real_time(self, until, each_frame, as_fast_as_possible=as_fast_as_possible)
 
+    @any_thread
     def pause(self) -> None:
         """Stop time after the present step."""
         self._stepper.paused = True
 
+    @any_thread
     def play(self) -> None:
         """Let time continue."""
         self._stepper.paused = False
@@ -341,17 +349,17 @@ class Twin(Group, OldNames):
         if not self._session.physics.is_discarded:
             self._session.built.renderer.close()
             self._session.physics.discard()
+        self.inbox.end()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *error: object) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def draw(self) -> None:
         """Draw the present state on the page, if there is one."""
-        visualizer = self._session.built.visualizer
-        if visualizer is not None:
+        if (visualizer := self._session.built.visualizer) is not None:
             visualizer.ForcedPublish(visualizer.GetMyContextFromRoot(self.context))
 
     # State -----------------------------------------------------------------------------------------------------------
@@ -386,8 +394,7 @@ class Twin(Group, OldNames):
         Two runs of a scenario with the same hash are in the same state to the last bit, and continue alike. On one
         machine and with one version of drake_twin, a scenario has the same hash in each run, on each supported Python
         and version of NumPy. Another kind of processor or operating system may round otherwise, and another version of
-        Drake may simulate otherwise. Of what is
-        changed with Drake's own means, a plant's parameters, locked joints and shapes' materials count; other shapes,
-        collision filters and values fixed on ports do not, and `restore` does not undo them.
+        Drake may simulate otherwise. Of what is changed with Drake's own means, a plant's parameters, locked joints and
+        shapes' materials count; other shapes, collision filters and values fixed on ports do not.
         """
         return self._session.state_sha256()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from drake_twin.errors import InputError
 from drake_twin.twin.group import Group
+from drake_twin.twin.owner import any_thread
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.schedule import meeting_step
 from drake_twin.twin.session import Session
@@ -13,7 +14,7 @@ from drake_twin.values import is_number
 _FASTEST = 1e6  # times real time
 
 
-class TwinClock(Group):
+class TwinClock(Group, path="twin.clock"):
     """How time passes; `Twin.clock`."""
 
     def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
@@ -21,21 +22,25 @@ class TwinClock(Group):
         self._real_time_rate = 1.0
 
     @property
+    @any_thread
     def step_count(self) -> int:
         """The number of physics steps since the start or the last reset."""
         return self._session.clock.step
 
     @property
+    @any_thread
     def simulated(self) -> float:
         """The time that has been simulated since the twin was made (s), also before resets and restored states."""
         return self._session.simulated
 
     @property
+    @any_thread
     def time_step(self) -> float:
         """The physics step (s)."""
         return self._session.clock.time_step
 
     @property
+    @any_thread
     def paused(self) -> bool:
         """Whether time stands still."""
         return self._stepper.paused
@@ -45,6 +50,7 @@ class TwinClock(Group):
         self._stepper.paused = paused
 
     @property
+    @any_thread
     def real_time_rate(self) -> float:
         """The simulated seconds that `Twin.run` grants per second of wall time.
 

@@ -144,6 +144,25 @@ def test_a_node_that_blocks_again_is_let_out_sooner(tmp_path, capsys, caplog, mo
     os.close(reading)
 
 
+def test_a_node_that_is_back_where_it_blocked_is_let_out_at_once(tmp_path, capsys, monkeypatch):
+    """As in the main loop of a window, between two callbacks that publish."""
+    reading, writing = os.pipe()
+    text = f"import os, time\nwhile True:\n    print(os.read({reading}, 1) or exit())\n    time.sleep(0.01)\n"
+    with running(script(tmp_path, "f.py", text)) as twin:
+        for letter in "abc":
+            twin.advance_to(twin.time + 0.05)
+            for name in ("_BLOCKED", "_BLOCKED_AGAIN"):
+                monkeypatch.setattr(f"drake_twin.nodes.turns.{name}", 10**9)
+            os.write(writing, letter.encode())
+            for _ in range(1000):
+                twin.advance_to(twin.time + 0.01)
+                if f"b'{letter}'" in capsys.readouterr().out:
+                    break
+        os.close(writing)  # so that the node reads on, and ends
+        twin.advance_to(twin.time + 0.1)
+    os.close(reading)
+
+
 def test_standard_input_is_waited_for_outside(tmp_path, capsys, monkeypatch):
     reading, writing = os.pipe()
     with (

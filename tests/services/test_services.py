@@ -235,9 +235,10 @@ def test_a_text_is_not_expanded_for_expressions_are_code(twin):
     ("request_", "code", "words"),
     [
         ({"name": "robot_1"}, 101, "Entity [robot_1] already exists."),
-        ({"name": "a/b"}, 102, "'a/b' is not a name: use letters, digits, '_' and '-'"),
+        ({"name": "a/b"}, 102, "'a/b' is not a name: use letters from A to Z, digits, '_' and '-', 100 at most"),
         ({"uri": ""}, 104, "neither uri nor resource_string is given"),
         ({"entity_namespace": "a b"}, 105, "'a b' is not a namespace"),
+        ({"entity_namespace": 60 * "a" + "!"}, 105, "is not a namespace"),  # at once, and not after an hour
         ({"uri": "", "resource_string": "<robot"}, 106, "robot_3.urdf"),
         ({"initial_pose": Message(header=Message(frame_id="moon"), pose=pose())}, 109, "not in 'moon'"),
         ({"initial_pose": Message(header=Message(frame_id=""), pose=pose(x=float("nan")))}, 109, "is not finite"),
@@ -336,7 +337,7 @@ def test_gazebo_classic_takes_a_names_place_from_the_description(twin):
         assert response == {"success": True, "status_message": "Successfully sent factory message to Gazebo."}
     assert answer(twin, "/get_model_list")["model_names"] == ["robot_1", "robot_2", "box", "box_1"]
     refused = answer(twin, "/spawn_entity", **request | {"xml": "<robot/>"}, reference_frame="")
-    assert refused["status_message"] == "'' is not a name: use letters, digits, '_' and '-'."
+    assert refused["status_message"] == ("'' is not a name: use letters from A to Z, digits, '_' and '-', 100 at most.")
 
 
 def test_gazebo_classic(twin):

@@ -10,6 +10,7 @@ from conftest import rovers
 
 from drake_twin.errors import InputError
 from drake_twin.twin.event_topics import PARAMETER_EVENTS, ROSOUT, EventTopics
+from drake_twin.twin.owner import Owner
 from drake_twin.twin.rosout import TwinLog, put_line
 
 
@@ -20,7 +21,7 @@ def clock():
 
 @pytest.fixture
 def topics(clock):
-    return EventTopics(lambda: clock[0])
+    return EventTopics(Owner(), lambda: clock[0])
 
 
 def log(topics, text):
@@ -178,7 +179,7 @@ def test_a_program_without_handlers_still_prints_warnings_once(monkeypatch, caps
         monkeypatch.setattr(logging.getLogger(name), "handlers", [])
     ends = []
     for _ in range(2):
-        topics = EventTopics(lambda: 0.0)
+        topics = EventTopics(Owner(), lambda: 0.0)
         TwinLog(topics[ROSOUT])
         ends.append(topics[ROSOUT].subscribe(lambda line: None))
     logging.getLogger("drake_twin.x").warning("seen")
@@ -192,7 +193,7 @@ def test_a_program_without_handlers_still_prints_warnings_once(monkeypatch, caps
 def test_a_twin_that_nobody_keeps_is_not_kept_by_who_listens(monkeypatch):
     log = logging.getLogger("drake_twin")
     monkeypatch.setattr(log, "handlers", [])
-    topics = EventTopics(lambda: 0.0)
+    topics = EventTopics(Owner(), lambda: 0.0)
     TwinLog(topics[ROSOUT])
     topics[ROSOUT].subscribe(lambda line: None)
     gone = weakref.ref(topics[ROSOUT])

@@ -151,7 +151,7 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
     file = tmp_path / "state.json"
     arm.snapshot().save(file)
     data = json.loads(file.read_text())
-    assert (data["format"], data["version"]) == ("drake_twin saved state", 2)
+    assert (data["format"], data["version"]) == ("drake_twin saved state", 3)
     assert data["robots"]["arm"]["controllers"]["arm_controller"] == "active"
     assert set(data["robots"]["arm"]["joints"]) >= {"joint_1", "joint_2"}
     assert Snapshot.load(file) == arm.snapshot()
@@ -164,7 +164,7 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
         ("[]", "this is not a saved state of a twin"),
         (
             '{"format": "drake_twin saved state", "version": 7}',
-            "saved state was saved in version 7; 1 to 2 can be read",
+            "the saved state has version 7; 1 to 3 can be read",
         ),
         ('{"format": "drake_twin saved state", "version": 2}', "a saved state has the entries"),
     ],

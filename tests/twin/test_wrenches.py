@@ -37,7 +37,7 @@ def dut(physics):
 
 
 def at(clock, step):
-    clock.step = step
+    clock.go_to(step)
     return clock
 
 

@@ -18,6 +18,7 @@ from drake_twin.nodes.rclpy.signals import (
 )
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown
+from drake_twin.nodes.stand_ins import imported
 from drake_twin.nodes.task import present_task
 
 __all__ = [
@@ -84,6 +85,7 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
 
 def create_node(node_name: str, **options: Any) -> Node:
     """Return a new node."""
+    imported("rclpy.node")  # as rclpy's own does here
     return Node(node_name, **options)
 
 

@@ -3,7 +3,7 @@
 import inspect
 import warnings
 from collections import deque
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Sequence
 from functools import partial
 from math import inf
 from typing import Any
@@ -141,13 +141,20 @@ class Executor:
             ShutdownException: If the executor has been shut down.
             ExternalShutdownException: If the context has been shut down.
         """
-        return self._wait_for_ready_callbacks(*args, **kwargs)
+        return next(self._wait_for_ready_callbacks(*args, **kwargs))
 
     def _wait_for_ready_callbacks(
         self,
         timeout_sec: Any = None,
         nodes: Sequence[Any] | None = None,
         condition: Callable[[], bool] = lambda: False,
+    ) -> Iterator[tuple[Task, Any, Any]]:
+        """Yield what there is to do, each time waiting as `wait_for_ready_callbacks` does."""
+        while True:
+            yield self._ready_callback(timeout_sec, nodes, condition)
+
+    def _ready_callback(
+        self, timeout_sec: Any, nodes: Sequence[Any] | None, condition: Callable[[], bool]
     ) -> tuple[Task, Any, Any]:
         work = self._next_work(_nanoseconds(timeout_sec), condition, self._nodes if nodes is None else nodes)
         if isinstance(work, Task):
@@ -158,7 +165,7 @@ class Executor:
             self._given.remove(work)
             return self._begun(work) if work.callback_group.beginning_execution(work) else None
 
-        node = next((node for node in self._nodes if work in node.entities), None)
+        node = next((node for node in self._nodes if work in node.handle.entities), None)
         task = self.create_task(begin)
         return task, getattr(work, "waitable", work), node
 
@@ -191,7 +198,7 @@ class Executor:
     def _has_work(self, nodes: Sequence[Any]) -> bool:
         """Return whether anything can be done."""
         return any(task.is_ready() for task in self._tasks) or any(
-            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node.entities
+            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node.handle.entities
         )
 
     def _taken(self, nodes: Sequence[Any]) -> Any:
@@ -205,7 +212,7 @@ class Executor:
             if self._has_done_tasks:
                 self._round += [task for task in reversed(self._tasks) if task.is_ready()]
             else:
-                self._round += [entity for node in nodes for entity in node.entities if entity.is_ready()]
+                self._round += [entity for node in nodes for entity in node.handle.entities if entity.is_ready()]
         return None
 
     def _due(self, nodes: Sequence[Any]) -> float:
