@@ -3,12 +3,14 @@
 import inspect
 import warnings
 from collections import deque
-from collections.abc import Callable, Coroutine, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from math import inf
 from typing import Any
 
 from drake_twin.nodes.rclpy.context import default_context
+from drake_twin.nodes.rclpy.coroutines import await_or_execute as await_or_execute
+from drake_twin.nodes.rclpy.coroutines import followed, result_of
 from drake_twin.nodes.rclpy.logging import RcutilsLogger
 from drake_twin.nodes.rclpy.task import Future, Task
 from drake_twin.nodes.task import Task as Thread
@@ -37,7 +39,15 @@ class TimeoutObject:
     """A wait that may take too long."""
 
     def __init__(self, timeout: float) -> None:
-        self.timeout = timeout
+        self._timeout = timeout
+
+    @property
+    def timeout(self) -> float:
+        return self._timeout
+
+    @timeout.setter
+    def timeout(self, timeout: float) -> None:
+        self._timeout = timeout
 
 
 class Executor:
@@ -234,7 +244,7 @@ class Executor:
             return
         found = self._begun(work)
         if inspect.iscoroutine(found):
-            self._run_task(self.create_task(_result_of, found))
+            self._run_task(self.create_task(result_of, found))
 
     def _begun(self, work: Any) -> Any:
         """Do one thing of an entity that its group has let begin; return a coroutine if it has to be awaited."""
@@ -245,7 +255,7 @@ class Executor:
             group.ending_execution(work)
             raise
         if inspect.iscoroutine(found):
-            return _followed(found, lambda: group.ending_execution(work))
+            return followed(found, lambda: group.ending_execution(work))
         group.ending_execution(work)
         return found
 
@@ -381,15 +391,3 @@ def _nanoseconds(timeout: Any) -> float:
     """Return a timeout (s), which may be a `TimeoutObject`, in ns; infinite for None or a negative one."""
     seconds = timeout.timeout if isinstance(timeout, TimeoutObject) else timeout
     return inf if seconds is None or seconds < 0 else float(seconds * 1e9)
-
-
-async def _result_of(coroutine: Coroutine[Any, Any, Any]) -> Any:
-    return await coroutine
-
-
-async def _followed(coroutine: Coroutine[Any, Any, Any], end: Callable[[], None]) -> Any:
-    """Await what a callback returns, and call something at its end."""
-    try:
-        return await coroutine
-    finally:
-        end()
