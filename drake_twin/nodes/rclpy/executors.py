@@ -13,6 +13,7 @@ from drake_twin.nodes.rclpy.coroutines import await_or_execute as await_or_execu
 from drake_twin.nodes.rclpy.coroutines import followed, result_of
 from drake_twin.nodes.rclpy.logging import RcutilsLogger
 from drake_twin.nodes.rclpy.task import Future, Task
+from drake_twin.nodes.rclpy.timer import Timer
 from drake_twin.nodes.task import Task as Thread
 from drake_twin.nodes.task import present_task
 
@@ -207,28 +208,34 @@ class Executor:
 
     def _has_work(self, nodes: Sequence[Any]) -> bool:
         """Return whether anything can be done."""
-        return any(task.is_ready() for task in self._tasks) or any(
-            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node.handle.entities
-        )
+        for node in nodes:
+            for entity in node.handle.entities:
+                if entity.is_ready() and self.can_execute(entity):
+                    return True
+        return bool(self._tasks) and any(task.is_ready() for task in self._tasks)
 
     def _taken(self, nodes: Sequence[Any]) -> Any:
         """Return what is to be done next, a task or an entity; None without anything."""
-        for _ in range(3):
+        for begins in (False, True, True):
+            if begins:
+                self._has_done_tasks = not self._has_done_tasks
+                if not self._has_done_tasks:
+                    self._round += [entity for node in nodes for entity in node.handle.entities if entity.is_ready()]
+                elif self._tasks:
+                    self._round += [task for task in reversed(self._tasks) if task.is_ready()]
             while self._round:
                 work = self._round.popleft()
                 if work.is_ready() and (isinstance(work, Task) or self.can_execute(work)):
                     return work
-            self._has_done_tasks = not self._has_done_tasks
-            if self._has_done_tasks:
-                self._round += [task for task in reversed(self._tasks) if task.is_ready()]
-            else:
-                self._round += [entity for node in nodes for entity in node.handle.entities if entity.is_ready()]
+        self._has_done_tasks = True  # after the wait that follows, entities are first
         return None
 
     def _due(self, nodes: Sequence[Any]) -> float:
         due = inf
         for node in nodes:
-            for timer in node.timers:
+            for timer in node.handle.entities:
+                if not isinstance(timer, Timer):  # they are before all others
+                    break
                 if (own := timer.due()) < due and timer.callback_group.can_execute(timer):
                     due = own
         return due
@@ -243,7 +250,7 @@ class Executor:
             self._run_task(work)
             return
         found = self._begun(work)
-        if inspect.iscoroutine(found):
+        if found is not None and inspect.iscoroutine(found):
             self._run_task(self.create_task(result_of, found))
 
     def _begun(self, work: Any) -> Any:
@@ -254,7 +261,7 @@ class Executor:
         except BaseException:
             group.ending_execution(work)
             raise
-        if inspect.iscoroutine(found):
+        if found is not None and inspect.iscoroutine(found):
             return followed(found, lambda: group.ending_execution(work))
         group.ending_execution(work)
         return found
