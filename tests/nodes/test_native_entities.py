@@ -91,9 +91,12 @@ except _rclpy.InvalidHandle as error:
 """.replace("{{", "{").replace("}}", "}")
 
 ODDS = """
+import inspect
 import warnings
+import rclpy.action.server
 from rcl_interfaces.msg import Log
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.executors import TimeoutObject, await_or_execute
 from rclpy.lifecycle import LifecycleNode
 
 rclpy.init()
@@ -105,6 +108,11 @@ with warnings.catch_warnings(record=True) as caught:
     profile.depth = 1
     rclpy.qos.QoSProfile(history=rclpy.qos.HistoryPolicy.KEEP_ALL, depth=0)
     print([str(item.message).partition(";")[0] for item in caught])
+parameters = inspect.signature(rclpy.create_node).parameters
+print(rclpy.action.server.GoalEvent.ABORT.value, TimeoutObject(1.0).timeout, *parameters)
+future = rclpy.get_global_executor().create_task(await_or_execute, max, 1, 2)
+rclpy.get_global_executor().spin_until_future_complete(future)
+print(future.result())
 print(_rclpy.rmw_qos_profile_t.predefined("qos_profile_sensor_data").to_dict()["depth"])
 node = LifecycleNode("managed")
 machine = node._state_machine
@@ -159,6 +167,12 @@ def test_a_waitable_waits_for_entities_of_its_own(tmp_path, capsys):
 def test_small_things_that_programs_ask_for(tmp_path, capsys):
     assert ran(tmp_path, capsys, ODDS) == [
         '["A zero depth with KEEP_LAST doesn\'t make sense"]',
+        (
+            "3 1.0 node_name context cli_args namespace use_global_arguments enable_rosout start_parameter_services "
+            "parameter_overrides allow_undeclared_parameters automatically_declare_parameters_from_overrides "
+            "enable_logger_service"
+        ),
+        "2",
         "5",
         "(1, 'unconfigured') True (1, 'configure', 1, 'unconfigured', 10, 'configuring') /managed/get_state",
         "(2, 'inactive') 3 /managed/get_state",

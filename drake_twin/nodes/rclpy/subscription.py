@@ -70,12 +70,15 @@ class SubscriptionHandle(Handle):
             present_task().count_idle_call()
             return None
         message, time, _ = self.messages.popleft()
-        times = {"source_timestamp": time, "received_timestamp": self.task.now}
+        return self.given(message, raw=raw), {"source_timestamp": time, "received_timestamp": self.task.now}
+
+    def given(self, message: Any, *, raw: bool) -> Any:
+        """Return a message as a callback gets it, or its bytes."""
         if not raw:
-            return message_classes.from_wire(self.item.type, message), times
+            return message_classes.from_wire(self.item.type, message)
         from drake_twin.messages.interface_types import serialize
 
-        return serialize(message), times
+        return serialize(message)
 
 
 class Subscription:
@@ -104,6 +107,7 @@ class Subscription:
         self.callback = callback
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         self.event_handlers: list[Any] = callbacks.create_event_handlers(callback_group, subscription_impl, topic)
+        self._messages, self._task = subscription_impl.messages, subscription_impl.task
         subscription_impl.subscribe()
 
     handle = property(lambda self: self._impl)
@@ -123,15 +127,15 @@ class Subscription:
         self._callback = value
 
     def is_ready(self) -> bool:
-        return self._impl.is_ready()
+        messages = self._messages
+        return bool(messages) and (messages[0][2] >= self._task.now or self._impl.is_ready())
 
     def execute(self) -> Any:
-        taken = self._impl.take_message(self.msg_type, self.raw)
-        if taken is None:
-            return None
+        message, time, _ = self._messages.popleft()
+        given = self._impl.given(message, raw=self.raw)
         if self._callback_type is Subscription.CallbackType.WithMessageInfo:
-            return self._callback(*taken)
-        return self._callback(taken[0])
+            return self._callback(given, {"source_timestamp": time, "received_timestamp": self._task.now})
+        return self._callback(given)
 
     def get_publisher_count(self) -> int:
         present_task()

@@ -23,6 +23,7 @@ from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError
 from drake_twin.nodes.rclpy.action.graph import action_full_name
 from drake_twin.nodes.rclpy.action.server_handle import CANCEL, GOAL, RESULT, ServerHandle
+from drake_twin.nodes.rclpy.native import native_enum
 from drake_twin.nodes.rclpy.qos_profiles import QoSProfile, qos_profile_action_status_default
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.rclpy.time import Time
@@ -30,13 +31,16 @@ from drake_twin.nodes.rclpy.type_support import check_is_valid_action_type
 from drake_twin.nodes.rclpy.waitable import NumberOfEntities, Waitable
 from drake_twin.nodes.task import present_task
 
+GoalEvent = native_enum(
+    "GoalEvent", "What happens to a goal.", __name__, EXECUTE=0, CANCEL_GOAL=1, SUCCEED=2, ABORT=3, CANCELED=4
+)
 # Event → the states in which rcl accepts it, and the next state (rcl_action/src/rcl_action/goal_state_machine.c).
 _EVENTS = {
-    "EXECUTE": ((ACCEPTED,), EXECUTING),
-    "CANCEL_GOAL": ((ACCEPTED, EXECUTING), CANCELING),
-    "SUCCEED": ((EXECUTING, CANCELING), SUCCEEDED),
-    "ABORT": ((EXECUTING, CANCELING), ABORTED),
-    "CANCELED": ((CANCELING,), CANCELED),
+    GoalEvent.EXECUTE: ((ACCEPTED,), EXECUTING),
+    GoalEvent.CANCEL_GOAL: ((ACCEPTED, EXECUTING), CANCELING),
+    GoalEvent.SUCCEED: ((EXECUTING, CANCELING), SUCCEEDED),
+    GoalEvent.ABORT: ((EXECUTING, CANCELING), ABORTED),
+    GoalEvent.CANCELED: ((CANCELING,), CANCELED),
 }
 _STATES = ["UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED"]
 _ACTIVE = (ACCEPTED, EXECUTING, CANCELING)
@@ -95,7 +99,7 @@ class ServerGoalHandle:
 
     def execute(self, execute_callback: Callable[[Any], Any] | None = None) -> None:
         if not self.is_cancel_requested:
-            self._update_state("EXECUTE")
+            self._update_state(GoalEvent.EXECUTE)
         self._action_server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
@@ -108,23 +112,23 @@ class ServerGoalHandle:
             self._action_server._handle.feedback.publish(message)
 
     def succeed(self) -> None:
-        self._update_state("SUCCEED")
+        self._update_state(GoalEvent.SUCCEED)
 
     def abort(self) -> None:
-        self._update_state("ABORT")
+        self._update_state(GoalEvent.ABORT)
 
     def canceled(self) -> None:
-        self._update_state("CANCELED")
+        self._update_state(GoalEvent.CANCELED)
 
     def destroy(self) -> None:
         self._status = UNKNOWN
 
-    def _update_state(self, event: str) -> None:
+    def _update_state(self, event: Any) -> None:
         if self._status == UNKNOWN:
             return
         accepted, state = _EVENTS[event]
         if self._status not in accepted:
-            text = f"attempted invalid transition from state {_STATES[self._status]} with event {event}"
+            text = f"attempted invalid transition from state {_STATES[self._status]} with event {event.name}"
             raise RCLError(f"Failed to update goal state: goal_handle {text}")
         self._status = state
         self._action_server._publish_status()
@@ -234,7 +238,7 @@ class ActionServer(Waitable):
         for handle in chosen:
             if await _awaited(self._cancel_callback(handle)) == CancelResponse.ACCEPT and handle.is_active:
                 if not handle.is_cancel_requested:
-                    handle._update_state("CANCEL_GOAL")
+                    handle._update_state(GoalEvent.CANCEL_GOAL)
                 canceling.append(handle._goal_info)
         response.goals_canceling = canceling
         reply(response)
