@@ -92,7 +92,7 @@ class Execution:
         parts = list(self._parts(trajectory))
         left = set(trajectory.joint_names) - {name for controller, _ in parts for name in controller.joints}
         if left:
-            log.error(f"Unable to identify any set of controllers that can actuate the joints: [ {' '.join(left)} ]")
+            log.error(f"Unable to identify any set of controllers that can actuate the joints: [ {' '.join(sorted(left))} ]")
             return ErrorCode.CONTROL_FAILED
         for controller, _ in parts:
             if not controller.client.server_is_ready():
