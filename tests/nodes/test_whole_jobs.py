@@ -33,7 +33,8 @@ WHEELS
 """
 WHEEL = """<link name="{name}"><pose>0.08 {y} -0.04 -1.5708 0 0</pose><inertial><mass>0.3</mass><inertia>
 <ixx>0.0005</ixx><iyy>0.0005</iyy><izz>0.0005</izz></inertia></inertial><collision name="c"><geometry><cylinder>
-<radius>0.06</radius><length>0.03</length></cylinder></geometry></collision></link><joint name="{name}_joint" type="revolute">
+<radius>0.06</radius><length>0.03</length></cylinder></geometry></collision></link>
+<joint name="{name}_joint" type="revolute">
 <parent>base</parent><child>{name}</child><axis><xyz>0 0 1</xyz></axis></joint>"""
 LAUNCH = """
 from launch import LaunchDescription
