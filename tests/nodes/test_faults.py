@@ -98,6 +98,22 @@ class My(Node):
         assert failed(twin) == f"node f.py: ZeroDivisionError: division by zero ({file}:{number})"
 
 
+def test_a_module_that_has_to_be_compiled_says_so(tmp_path):
+    """As yasmin's from release 4 on."""
+    package = tmp_path / "machine"
+    script(package, "package.xml", "<package><name>machine</name></package>")
+    script(
+        package, "CMakeLists.txt", "ament_python_install_package(machine)\npybind11_add_module(state src/state.cpp)\n"
+    )
+    script(package, "machine/__init__.py", "from machine.state import State\n")
+    file = script(package, "machine/run.py", f"import sys\nsys.path.insert(0, {str(package)!r})\nimport machine\n")
+    with running(file) as twin:
+        twin.advance_to(0.01)
+        why = "it has to be compiled from C++, as the CMakeLists.txt of its package says"
+        found = f"node run.py: ModuleNotFoundError: No module named 'machine.state': {why} ({file}:3)"
+        assert failed(twin) == found
+
+
 def test_an_exit_without_an_error_is_none(tmp_path):
     with running(script(tmp_path, "f.py", "import sys\nsys.exit(0)")) as twin:
         twin.advance_to(0.1)

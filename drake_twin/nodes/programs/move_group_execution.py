@@ -90,8 +90,8 @@ class Execution:
             return ErrorCode.SUCCESS
         self.stop()
         parts = list(self._parts(trajectory))
-        left = set(trajectory.joint_names) - {name for controller, _ in parts for name in controller.joints}
-        if left:
+        held = {name for controller, _ in parts for name in controller.joints}
+        if left := [name for name in trajectory.joint_names if name not in held]:
             log.error(f"Unable to identify any set of controllers that can actuate the joints: [ {' '.join(left)} ]")
             return ErrorCode.CONTROL_FAILED
         for controller, _ in parts:
