@@ -30,6 +30,9 @@ _writes_no_bytecode = sys.dont_write_bytecode
 
 _K = TypeVar("_K")
 
+# The modules of other packages that have registered something, or are about to.
+MODULES_OF_OTHERS: set[str] = set()
+
 
 @dataclass(frozen=True)
 class _Entry(Generic[_K]):
@@ -41,6 +44,22 @@ class _Entry(Generic[_K]):
     @property
     def is_own(self) -> bool:
         return self.module.startswith("drake_twin.")
+
+
+def is_module_of_others(name: str) -> bool:
+    """Tell whether a module is of a package that has registered something."""
+    top = name.partition(".")[0]
+    return any(other.partition(".")[0] == top for other in MODULES_OF_OTHERS)
+
+
+def place_of_others(error: BaseException) -> str | None:
+    """Return the file and line of another package's code that an exception comes from; None if none is in it."""
+    found, at = None, error.__traceback__
+    while at is not None:
+        if is_module_of_others(str(at.tb_frame.f_globals.get("__name__", ""))):
+            found = f"{at.tb_frame.f_code.co_filename}:{at.tb_lineno}"
+        at = at.tb_next
+    return found
 
 
 class Registry(Mapping[str, _K]):
@@ -86,6 +105,7 @@ class Registry(Mapping[str, _K]):
         about = (code.__doc__ or "").strip().partition("\n")[0]
         entry = _Entry(kind, code.__module__, code.__qualname__, about)
         if not entry.is_own:
+            MODULES_OF_OTHERS.add(entry.module)
             self._import_own(name)  # which takes its name, whether or not it was looked up before
         known = self._kinds.get(name, entry)
         if (known.module, known.code) != (entry.module, entry.code) and not replace:
@@ -201,6 +221,11 @@ def entry_points_of(group: str) -> "Sequence[EntryPoint]":
     from importlib.metadata import entry_points
 
     return tuple(entry_points(group=group))
+
+
+def has_entry_points() -> bool:
+    """Tell whether an installed package names modules for the twin."""
+    return any(group.startswith("drake_twin.") for group in _named_groups())
 
 
 @cache

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from drake_twin.errors import InputError, TwinError
+from drake_twin.extensions import place_of_others
 from drake_twin.requirements import imports_explained
 
 _NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # of files; a pipe or a terminal that is closed is the reader's wish
@@ -140,6 +141,13 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         return 1 if error.errno in _NOT_WRITTEN else 2
     except KeyboardInterrupt:
         return 130
+    except Exception as error:  # of a plug-in: the twin's own mistakes show their traceback
+        place = place_of_others(error)
+        if place is None or "--debug" in arguments:
+            raise
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        say(f"error: {place}: {what}: code of another package has failed (--debug: the traceback)", sys.stderr)
+        return 1
 
 
 def _unless_lost(code: int) -> int:

@@ -21,6 +21,7 @@ from drake_twin.cli.lost import check_lost
 from drake_twin.cli.node_options import end_of_launch, start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
+from drake_twin.cli.plugin_watch import PluginWatch
 from drake_twin.cli.plugins import load_plugins
 from drake_twin.cli.program_page import ProgramPage
 from drake_twin.cli.rebuilt_twin import rebuilt_twin
@@ -30,6 +31,7 @@ from drake_twin.cli.target import Target, build_twin, find_target
 from drake_twin.cli.watched_files import Stamp, Watch, files_read
 from drake_twin.cli.wires import Wires, open_wires
 from drake_twin.errors import RunError
+from drake_twin.extensions import has_entry_points
 from drake_twin.findings import Kind, texts
 from drake_twin.program import collecting_later, leave, run_program, say, stop_signals
 from drake_twin.scenario.scenario_file import scenario_to_yaml
@@ -58,16 +60,18 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
         stopped: The signals that have arrived.
     """
     check(options)
-    load_plugins(options.plugin)
-    if options.show_kinds:
-        from drake_twin.cli.kinds import kinds_text
-
-        say(kinds_text())
-        return 0
-    if options.show_args:
-        say(launch_arguments(options))
-        return 0
     with ExitStack() as stack:
+        if options.plugin or has_entry_points():
+            stack.enter_context(PluginWatch())
+        load_plugins(options.plugin)
+        if options.show_kinds:
+            from drake_twin.cli.kinds import kinds_text
+
+            say(kinds_text())
+            return 0
+        if options.show_args:
+            say(launch_arguments(options))
+            return 0
         return _run_target(options, stopped, stack)
 
 

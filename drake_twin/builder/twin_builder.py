@@ -79,6 +79,14 @@ class TwinBuilder:
         self._plans: list[RobotPlan] = []
         self._extensions: list[Extension] = []
 
+    def __copy__(self) -> TwinBuilder:
+        """Return a builder that collects on its own from here."""
+        copied = type(self)()
+        copied.__dict__ |= {
+            name: list(value) if isinstance(value, list) else value for name, value in self.__dict__.items()
+        }
+        return copied
+
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Search a folder first for ROS packages."""
         self._package_paths.append(absolute_path(folder))

@@ -10,6 +10,7 @@ from pathlib import Path
 from zlib import crc32
 
 from drake_twin.errors import InputError
+from drake_twin.extensions import MODULES_OF_OTHERS
 from drake_twin.program import add_repeated
 
 
@@ -29,6 +30,7 @@ def load_plugins(names: Iterable[str]) -> None:
         InputError: If a module does not exist, or raises an error while it is imported.
     """
     for name in names:
+        MODULES_OF_OTHERS.add(name if not name.endswith(".py") else _module_name(_file_of(name)))
         if name.endswith(".py"):
             _import_file(name)
         else:
@@ -36,10 +38,10 @@ def load_plugins(names: Iterable[str]) -> None:
 
 
 def _import_file(name: str) -> None:
-    file = Path(name).expanduser().resolve()
+    file = _file_of(name)
     if not file.is_file():
         raise InputError(f"--plugin {name}: no such file")
-    module_name = f"{file.stem}_{crc32(str(file).encode()):08x}"  # unique, so that it replaces no other module
+    module_name = _module_name(file)
     if module_name in sys.modules:
         return
     spec = spec_from_file_location(module_name, file)
@@ -51,6 +53,15 @@ def _import_file(name: str) -> None:
     except (Exception, SystemExit) as error:
         del sys.modules[module_name]
         raise _failure(name, error) from error
+
+
+def _file_of(name: str) -> Path:
+    return Path(name).expanduser().resolve()
+
+
+def _module_name(file: Path) -> str:
+    """Return the name of a file's module, which is unique, so that it replaces no other module."""
+    return f"{file.stem}_{crc32(str(file).encode()):08x}"
 
 
 def _import_module(name: str) -> None:

@@ -4,16 +4,18 @@ import argparse
 import contextlib
 import sys
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError, RunError
 from drake_twin.program import say
-from drake_twin.wires.registry import wire_kinds
+from drake_twin.wires.registry import WIRES, wire_kinds
 from drake_twin.wires.wire import close_all
 
 if TYPE_CHECKING:
     from drake_twin.nodes.nodes import Nodes
     from drake_twin.services.assets import Assets
+    from drake_twin.twin.others_code import OthersCode
     from drake_twin.twin.twin import Twin
     from drake_twin.wires.seam import Seam
     from drake_twin.wires.wire import Wire
@@ -37,6 +39,7 @@ class Wires:
         self._kinds = [kind for kind in wire_kinds() if kind.is_wanted(options)]
         self.has_peers = any(kind.has_peers for kind in self._kinds)
         self._wires: list[Wire] = []
+        self._others: list[OthersCode] = []
         self._seam: Seam | None = None
         self._assets: Assets | None = None
         try:
@@ -52,11 +55,13 @@ class Wires:
 
         if self._seam is not None:
             self._seam.close()
-            self._seam, self._wires = None, []
+            self._seam, self._wires, self._others = None, [], []
             self._open(is_first=False)
         else:
             for kind, wire in zip(self._kinds, self._wires, strict=True):
                 kind.look_around(wire, twin)
+        for code in self._others:
+            code.tell(twin)
         self._assets = Assets(twin)
         for kind, wire in zip(self._kinds, self._wires, strict=True):
             kind.attach(wire, twin)
@@ -78,7 +83,19 @@ class Wires:
 
     def _open(self, *, is_first: bool) -> None:
         for kind in self._kinds:
-            self._wires.append(kind.open(self._options, self._asset, is_first=is_first))
+            if not WIRES.is_of_others(kind.name):
+                self._wires.append(kind.open(self._options, self._asset, is_first=is_first))
+                continue
+            from drake_twin.twin.others_code import OthersCode
+            from drake_twin.wires.others_wire import OthersWire
+
+            code = OthersCode(f"wire {kind.name!r}")
+            try:
+                wire = code.call(partial(kind.open, self._options, self._asset, is_first=is_first))
+            except RunError:
+                raise InputError(f"{code.what} cannot be opened: {code.fault}") from None
+            self._wires.append(OthersWire(wire, code))
+            self._others.append(code)
 
     def _asset(self, address: str) -> bytes | None:
         return None if self._assets is None else self._assets(address)

@@ -12,6 +12,7 @@ from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
+from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
@@ -83,7 +84,7 @@ class Cockpit:
         self._overlays: dict[str, Overlay] = {}
         self._panels: dict[str, Panel] = {}
         for name, panel in PANEL_KINDS.items():
-            self._panels[name] = panel.type(twin)
+            self._panels[name] = make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         self.sensors = SensorView(twin, scene, server.send_bytes)
@@ -317,7 +318,7 @@ class Cockpit:
         if name not in known:
             raise known.unknown(name)
         if on and name not in self._overlays:
-            self._overlays[name] = known[name].type(self._scene, self._twin)
+            self._overlays[name] = make_overlay(known[name], self._scene, self._twin)
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
 
@@ -382,7 +383,7 @@ class Cockpit:
             "recording": self._recording is not None,
             "recordings": self._recordings,
             "sensors": self.sensors.state(),
-            "panels": {name: panel.state() for name, panel in self._panels.items()},
+            "panels": {name: data for name, item in self._panels.items() if (data := item.state()) is not NO_STATE},
         }
         present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
         self._efforts_left -= 1

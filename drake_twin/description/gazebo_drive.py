@@ -86,6 +86,7 @@ class GazeboDrive:
         true_odometry: Whether its odometry is the true pose in the world, and not computed from the wheels.
         odometry_rate: The rate of its odometry (Hz); 0 for each physics step, None for the controller's own.
         not_started: Why the plugin cannot work.
+        has_failed: Whether that is an exception in the code of another package.
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
     """
@@ -104,6 +105,7 @@ class GazeboDrive:
     true_odometry: bool = False
     odometry_rate: float | None = None
     not_started: str | None = None
+    has_failed: bool = False
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
 

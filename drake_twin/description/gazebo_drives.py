@@ -20,6 +20,7 @@ from drake_twin.description.gazebo_drive import (
 from drake_twin.description.gazebo_plugins import plugin_kind, plugin_node_name
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 from drake_twin.description.roller_wheels import roller_wheels
+from drake_twin.errors import TwinError, described
 
 _ROS2_CONTROL = ("gz_ros2_control-system", "libgz_ros2_control-system.so", "libgazebo_ros2_control.so")
 
@@ -56,6 +57,13 @@ def gazebo_drives(description: RobotDescription) -> tuple[GazeboDrive, ...]:
             drives.append(replace(drive, unread=reader.unread))
         except CannotWorkError as error:
             drives.append(GazeboDrive(plugin, not_started=f"{name} ({plugin.filename}): {error}"))
+        except TwinError:
+            raise
+        except Exception as error:
+            if not GAZEBO_PLUGINS.is_of_others(plugin_kind(plugin)):
+                raise
+            what = f"{name} ({plugin.filename}): {described(error)}"
+            drives.append(GazeboDrive(plugin, not_started=what, has_failed=True))
     return (*drives, *_rollers(description))
 
 

@@ -36,7 +36,11 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
     for drive in drives:
         place = drive.plugin.place
         if drive.controller is None:
-            findings.append(Finding.at(Kind.NOT_STARTED, f"Gazebo plugin {drive.not_started}", place))
+            findings.append(
+                Finding.at(
+                    Kind.FAILED if drive.has_failed else Kind.NOT_STARTED, f"Gazebo plugin {drive.not_started}", place
+                )
+            )
             continue
         name = f"Gazebo plugin {drive.controller.name}"
         if drive.controller.type == PLANAR_MOVE and (problem := _planar_problem(drive, drives, fixed_base)):

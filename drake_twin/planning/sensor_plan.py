@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.description.robot_description import RobotDescription, Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.sensors import SENSOR_PLUGINS, sensor_text
+from drake_twin.errors import TwinError, described
 from drake_twin.findings import Cause, Finding, Kind
 from drake_twin.planning.frame_names import misspelt_frame
 from drake_twin.scenario import Robot
 from drake_twin.sensors.noise import SILENT, Noise
-from drake_twin.sensors.registry import sensor_class
+from drake_twin.sensors.registry import SENSORS, sensor_class
 
 if TYPE_CHECKING:
     from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
@@ -139,8 +140,12 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
         kind = sensor_class(sensor.kind) if is_plugin == (sensor.kind in SENSOR_PLUGINS) else None
         reason = _wrong_place(sensor, kind, owner) if kind is not None else "the twin has no such sensor"
         element = SensorElement(sensor)
-        settings = None if reason or kind is None else kind.read(element)
-        reason = reason or (None if kind is None else kind.problem(settings))
+        settings, failure = None, None
+        if kind is not None and reason is None:
+            settings, reason, failure = _settings(sensor, kind, element)
+        if failure is not None:
+            findings.append(Finding.at(Kind.FAILED, f"{what}: {failure}", sensor.place))
+            continue
         if kind is None or reason is not None:
             findings.append(Finding.at(Kind.NOT_STARTED, f"{what}: {reason}", sensor.place))
             continue
@@ -169,6 +174,19 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
             findings.append(finding)
         plans.append(replace(plan, topics=tuple(kept)))
     return tuple(plans), tuple(findings)
+
+
+def _settings(sensor: Sensor, kind: "type[SensorSystem]", element: SensorElement) -> tuple[Any, str | None, str | None]:
+    """Return a sensor's own settings, why it is not simulated, and how the code of another package has failed."""
+    try:
+        settings = kind.read(element)
+        return settings, kind.problem(settings), None
+    except TwinError:
+        raise
+    except Exception as error:
+        if not SENSORS.is_of_others(sensor.kind):
+            raise
+        return None, None, described(error)
 
 
 def _wrong_place(sensor: Sensor, kind: "type[SensorSystem]", owner: SensorOwner) -> str | None:

@@ -1,6 +1,9 @@
 """The system that has the ports of many sensors."""
 
+from collections.abc import Iterator
 from typing import Any
+
+from pydrake.systems.framework import Diagram
 
 from drake_twin.sensors.plant_reader import PlantReader
 
@@ -25,3 +28,12 @@ class SensorHost(PlantReader):
         """Forget the sensors, which refer to this system, so that it can be freed; it cannot be used afterwards."""
         self.sensors.clear()
         self.shared.clear()
+
+
+def sensor_hosts(diagram: Diagram) -> Iterator[SensorHost]:
+    """Yield the systems of a diagram that have the ports of sensors."""
+    for system in diagram.GetSystems():
+        if isinstance(system, SensorHost):
+            yield system
+        elif isinstance(system, Diagram):
+            yield from sensor_hosts(system)

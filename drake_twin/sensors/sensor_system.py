@@ -1,21 +1,26 @@
 """The base of all sensors of a robot."""
 
+import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import BasicVector, CacheEntry, Context, InputPort, OutputPort, ValueProducer
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
+from drake_twin.errors import described
 from drake_twin.sensors.classic import classic_frame
 from drake_twin.sensors.noise import SILENT, Noise
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
-from drake_twin.systems.no_message import empty_value
+from drake_twin.systems.no_message import empty_value, or_none, set_value
 from drake_twin.systems.weak_callback import weakly
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class SensorSystem:
         host: The system that has its ports.
         warnings: Why it does not measure all that its file asks for, as sentences.
         delay: How long after its measurement a message is published (s); None for at once.
+        fault: Why one of another package measures no more; None while it does.
     """
 
     message_type: ClassVar[str] = ""
@@ -112,6 +118,7 @@ class SensorSystem:
         self.host.sensors.append(self)
         self.warnings: tuple[str, ...] = ()
         self.delay: float | None = None
+        self.fault: str | None = None
         self._inputs: list[InputPort] = []
         self._channels = {
             name: setup.noise.channel(name, noise)
@@ -169,7 +176,7 @@ class SensorSystem:
     def declare_values_output(self, size: int, calc: Callable[[Context, BasicVector], None]) -> OutputPort:
         """Declare the vector port `values_port`, set by ``calc(context, output)`` from the plant's ports so far."""
         name = self.port_name(self.values_port)
-        return self.host.DeclareVectorOutputPort(name, size, weakly(calc), self.measurement_tickets())
+        return self.host.DeclareVectorOutputPort(name, size, self._weakly(calc), self.measurement_tickets())
 
     def declare_cache_entry(self, name: str, calc: Callable[..., None], *first: Any) -> CacheEntry:
         """Declare what several topics have in common, set by ``calc(*first, context, value)`` from the plant's ports.
@@ -190,9 +197,35 @@ class SensorSystem:
         return self.host.DeclareAbstractOutputPort(
             self.port_name(own),
             empty_value,
-            weakly(calc, *first),
+            self._weakly(calc, *first),
             {*self.measurement_tickets(), self.host.time_ticket()},
         )
+
+    def _weakly(self, calc: Callable[..., None], *first: Any) -> Callable[..., Any]:
+        """Return a port's callback; that of another package's sensor is guarded."""
+        is_own = type(self).__module__.startswith("drake_twin.")
+        return weakly(calc, *first) if is_own else weakly(self._measure, calc.__func__, *first)  # type: ignore[attr-defined]
+
+    def _measure(self, calc: Callable[..., None], *arguments: Any) -> None:
+        """Set a port's value; one that has failed once has no message from then on."""
+        output = arguments[-1]
+        if self.fault is None:
+            try:
+                calc(self, *arguments)
+                if isinstance(output, AbstractValue) and not hasattr(output.get_value(), "__msgtype__"):
+                    if or_none(output.get_value()) is None:
+                        return
+                    raise TypeError(f"{messages.shortened(output.get_value())} is not a message")
+            except Exception as error:
+                self.fault = described(error)
+                where = f"sensor {self.setup.sensor.name} of {self.setup.owner}"
+                _log.error("%s has failed, and measures no more: %s", where, self.fault)
+            else:
+                return
+        if isinstance(output, AbstractValue):
+            set_value(output, None)
+        else:
+            output.SetFromVector(np.full(output.size(), np.nan))
 
     def port_name(self, own: str) -> str:
         """Return the name of one of its ports of the host."""

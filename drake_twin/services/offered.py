@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 from drake_twin.services.entities import world_name
+from drake_twin.services.others_answer import others_answer
 from drake_twin.services.parameters import parameter_services
 from drake_twin.services.registry import OF_ROBOT, OF_TWIN, Service
 from drake_twin.twin.twin import Twin
@@ -23,10 +24,12 @@ def services_of(twin: Twin) -> tuple[Service, ...]:
 
 def _all(twin: Twin) -> Iterator[Service]:
     world = world_name(twin)
-    for each in OF_TWIN.values():
-        yield replace(each, name=each.name.format(world=world), answer=partial(each.answer, twin))
+    for name, each in OF_TWIN.items():
+        answer = others_answer(twin, each) if OF_TWIN.is_of_others(name) else each.answer
+        yield replace(each, name=each.name.format(world=world), answer=partial(answer, twin))
     for plan in twin.built.plans:
         namespace = plan.robot.topic_namespace
-        for each in OF_ROBOT.values():
+        for key, each in OF_ROBOT.items():
+            answer = others_answer(twin, each) if OF_ROBOT.is_of_others(key) else each.answer
             name, node = f"{namespace}/{each.name}", f"{namespace}/{each.node}"
-            yield replace(each, name=name, node=node, answer=partial(each.answer, twin, plan.name))
+            yield replace(each, name=name, node=node, answer=partial(answer, twin, plan.name))

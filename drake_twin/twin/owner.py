@@ -18,7 +18,23 @@ class _Here(threading.local):
     is_owner = False
 
 
-class Owner:
+class Single:
+    """Base of what cannot be copied or pickled: a copy would share the simulation."""
+
+    def __reduce_ex__(self, protocol: Any) -> NoReturn:
+        """Refuse `copy` and `pickle`.
+
+        Raises:
+            CopyError: Always.
+        """
+        kind = type(self).__name__
+        raise CopyError(
+            f"a {kind} cannot be copied or pickled, for the copy would share the running simulation: twin.snapshot() is"
+            " a copy of its state, and Twin(twin.scenario) another twin"
+        )
+
+
+class Owner(Single):
     """The thread that a twin belongs to: the one that made it, until it hands it over or ends.
 
     Attributes:
@@ -108,10 +124,8 @@ def public_members(kind: type) -> Iterator[tuple[str, Any]]:
             yield name, member
 
 
-class Owned:
+class Owned(Single):
     """Base of what belongs to a twin's thread: each public method and property raises `ThreadError` in others.
-
-    It cannot be copied or pickled either: a copy would share the simulation.
 
     Args:
         path: How a user writes an object of the subclass, such as ``twin.entities``.
@@ -137,18 +151,6 @@ class Owned:
                 setattr(cls, name, property(get, put, doc=member.__doc__))
             else:
                 setattr(cls, name, _guarded(where, member))
-
-    def __reduce_ex__(self, protocol: Any) -> NoReturn:
-        """Refuse `copy` and `pickle`.
-
-        Raises:
-            CopyError: Always.
-        """
-        kind = type(self).__name__
-        raise CopyError(
-            f"a {kind} cannot be copied or pickled, for the copy would share the running simulation: twin.snapshot() is"
-            " a copy of its state, and Twin(twin.scenario) another twin"
-        )
 
 
 def _guarded(where: str, member: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,14 +1,12 @@
 """What a sensor measures at the present time, as NumPy arrays."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Diagram
 
 from drake_twin.errors import InputError
-from drake_twin.sensors.sensor_host import SensorHost
+from drake_twin.sensors.sensor_host import sensor_hosts
 from drake_twin.sensors.sensor_system import SensorSystem
 from drake_twin.systems.no_message import or_none
 from drake_twin.twin.owner import Owned
@@ -98,7 +96,7 @@ class SensorReading(Owned, path="twin.sensor(…)"):
             raise InputError(f"unknown robot {self._robot!r}", value=str(self._robot), valid=owners)
         found: dict[str, SensorSystem] = {
             f"{sensor.setup.sensor.link or sensor.setup.sensor.joint}/{sensor.setup.sensor.name}": sensor
-            for host in _hosts(built.diagram)
+            for host in sensor_hosts(built.diagram)
             for sensor in host.sensors
             if sensor.setup.owner == self._robot
         }
@@ -106,11 +104,3 @@ class SensorReading(Owned, path="twin.sensor(…)"):
             if self._name in (place, sensor.setup.sensor.name):
                 return sensor
         raise InputError(f"robot {self._robot!r} has no sensor {self._name!r}", value=str(self._name), valid=found)
-
-
-def _hosts(diagram: Diagram) -> Iterator[SensorHost]:
-    for system in diagram.GetSystems():
-        if isinstance(system, SensorHost):
-            yield system
-        elif isinstance(system, Diagram):
-            yield from _hosts(system)

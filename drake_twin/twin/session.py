@@ -4,7 +4,7 @@ A part has ``state()``, which returns its entries of a `Snapshot` as plain data,
 follow snapshots, restoring, building the diagram again, replay and ``state_sha256``.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
@@ -19,6 +19,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_files_found
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.sensors.sensor_host import sensor_hosts
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
@@ -181,6 +182,15 @@ class Session:
             self.scenario = replace(self.scenario, commands=tuple(kept), findings=(*known, *findings))
             self.physics.built = replace(self.built, findings=(*known, *findings, *rest))
             self.commands.start(self.scenario.commands)
+
+    def faults(self) -> Iterator[Finding]:
+        """Yield what has failed: controllers, and sensors of other packages."""
+        for control in self.controls.values():
+            yield from control.faults
+        for sensor in (sensor for host in sensor_hosts(self.built.diagram) for sensor in host.sensors):
+            if sensor.fault is not None:
+                what = f"sensor {sensor.setup.sensor.name}: {sensor.fault}"
+                yield Finding(Kind.FAILED, what, sensor.setup.owner)
 
     def failure(self, error: BaseException) -> RunError:
         """Return what Drake raises at the present time as an error for the user."""

@@ -142,7 +142,7 @@ class Twin(Group, OldNames, path="twin"):
         """What became of what the files say, where it is not simply used: mended, ignored, not started, failed …"""
         session = self._session
         sunk = (item for robot in self.robots for item in session.sunk.get(robot, ()))
-        faults = (item for control in session.controls.values() for item in control.faults)
+        faults = session.faults()
         built = session.built
         return Findings((*built.findings, *sunk, *faults, *built.renderer.findings, *self.more_findings))
 

@@ -22,6 +22,7 @@ from lxml import etree
 
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import TwinError, described
 from drake_twin.extensions import Registry
 from drake_twin.findings import Finding, Kind
 
@@ -61,14 +62,22 @@ def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Findin
         without: Names of repairs to leave out.
 
     Returns:
-        What was repaired, in order.
+        What was repaired, in order; and the repairs of other packages that have failed.
     """
-    return [
-        Finding.at(Kind.MENDED, what, reader.place(element), name, weight=weight_of(element))
-        for name, function in REPAIRS.items()
-        if name not in without
-        for element, what in function(reader)
-    ]
+    findings: list[Finding] = []
+    for name, function in REPAIRS.items():
+        if name in without:
+            continue
+        try:
+            for element, what in function(reader):
+                findings.append(Finding.at(Kind.MENDED, what, reader.place(element), name, weight=weight_of(element)))
+        except TwinError:
+            raise
+        except Exception as error:
+            if not REPAIRS.is_of_others(name):
+                raise
+            findings.append(Finding(Kind.FAILED, f"repair {name}: {described(error)}"))
+    return findings
 
 
 def check_repair_names(names: Collection[str], others: Collection[str] = ()) -> None:
