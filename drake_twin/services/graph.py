@@ -5,6 +5,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.messages.text import field_names
+from drake_twin.planning.controller_plan import UNCONFIGURED
 from drake_twin.services.actions import ActionServer, action_servers
 from drake_twin.services.offered import services_of
 from drake_twin.services.registry import Fields, Later, Service
@@ -50,13 +51,28 @@ class GraphServices:
         self._actions: dict[str, ActionServer] = {}
 
     def loaded(self, twin: Twin) -> tuple[Any, ...]:
-        """Return the loaded controllers of each robot, which are nodes, and the state of the node programs."""
-        controllers = tuple(tuple(twin.control.manager(robot).states) for robot in twin.robots)
+        """Return which controllers are loaded and configured, and the state of the node programs."""
+        controllers = tuple(
+            (robot, name, state == UNCONFIGURED)
+            for robot in twin.robots
+            for name, state in twin.control.manager(robot).states.items()
+        )
         return *controllers, None if self._graph is None else self._graph.version
+
+    def absent(self, twin: Twin) -> set[str]:
+        """Return the nodes of controllers that are not configured: they have no topics and no actions, as in ROS."""
+        waiting, configured = set[str](), set[str]()
+        for plan in twin.built.plans:
+            states = twin.control.manager(plan.name).states
+            for item in plan.controllers:
+                is_waiting = states.get(item.name, UNCONFIGURED) == UNCONFIGURED
+                (waiting if is_waiting else configured).add(f"{plan.robot.topic_namespace}/{item.name}")
+        return waiting - configured  # two robots may have one node
 
     def services(self, twin: Twin) -> tuple[Service, ...]:
         """Return the services with the present robots, those of actions among them."""
-        present = {server.name: server for server in action_servers(twin)}
+        absent = self.absent(twin)
+        present = {server.name: server for server in action_servers(twin) if server.node not in absent}
         self._actions = {name: self._actions.get(name, server) for name, server in present.items()}
         of_actions = (service for server in self._actions.values() for service in server.services())
         return (*services_of(twin), *of_actions, *self._of_nodes())

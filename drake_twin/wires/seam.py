@@ -7,7 +7,7 @@ and is done in the simulation's thread, by `Twin.publish` and the like, so that 
 
 import contextlib
 import logging
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Generator, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import partial
 from time import monotonic
@@ -46,6 +46,9 @@ class WiredActions(Protocol):
 
     def loaded(self, twin: Twin) -> Any:
         """Return a value that changes whenever services come and go without a spawn or a delete."""
+
+    def absent(self, twin: Twin) -> Container[str]:
+        """Return the nodes whose topics are not there yet."""
 
     def topics(self) -> Iterable[Endpoint]:
         """Return the topics of the present actions, after their services have been asked for."""
@@ -142,6 +145,9 @@ class Seam:
 
     def _keep_topics(self, endpoints: Sequence[Endpoint]) -> None:
         """Offer these endpoints, and the services, and no others."""
+        if self._actions is not None and endpoints:
+            absent = self._actions.absent(self._twin)
+            endpoints = [item for item in endpoints if item.node not in absent]
         services = {item.name: item for item in self._services_of(self._twin)} if endpoints else {}
         of_actions = tuple(self._actions.topics()) if self._actions is not None and endpoints else ()
         offered = {item.name: item for item in (*endpoints, *of_actions) if item.kind == PUBLISHED}

@@ -339,6 +339,9 @@ class OfNodes:
     def loaded(self, twin):
         return self.names
 
+    def absent(self, twin):
+        return ()
+
     def wanted(self):
         return [Echo(name, None) for name in self.names]
 
