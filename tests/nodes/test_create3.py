@@ -125,6 +125,7 @@ def told(tmp_path, capsys):
         builder = TwinBuilder().package_path(source).launch(launch)
         with builder.node(script(source, "client.py", HEAD + text)).build() as twin:
             twin.advance_to(seconds)
+            assert any("dock, undock and wall_follow" in str(item) for item in twin.findings)
         lines = capsys.readouterr().out.splitlines()
         return {name: value for line in lines if line[:1] == "{" for name, value in json.loads(line).items()}
 

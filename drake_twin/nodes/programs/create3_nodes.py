@@ -9,7 +9,7 @@ _MESSAGES = "irobot_create_msgs"
 
 def motion_control() -> None:
     """Run ``motion_control``."""
-    _run("create3_motion_control")
+    _run("create3_motion_control", "the actions dock, undock and wall_follow, and reflexes, are not there")
 
 
 def ui_mgr() -> None:
@@ -17,7 +17,7 @@ def ui_mgr() -> None:
     _run("create3_ui_mgr")
 
 
-def _run(module: str) -> None:
+def _run(module: str, missing: str = "") -> None:
     try:
         program = import_module(module)
     except ModuleNotFoundError as error:
@@ -25,4 +25,6 @@ def _run(module: str) -> None:
             raise
         present_task().program.ignored(f"it does nothing, as the package {_MESSAGES} is not in the workspace")
         return
+    if missing:
+        present_task().program.ignored(missing)
     program.main()
