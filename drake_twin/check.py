@@ -21,7 +21,6 @@ from drake_twin.program import (
     add_keep_going,
     add_strict,
     add_version,
-    announce_page,
     run_program,
     say,
     stop_signals,
@@ -258,7 +257,7 @@ def _view(
     page = ServedPage()
     twin = Twin(planned_robots(file, xacro_args=xacro_args, package_paths=package_paths).scenario)
     cockpit = page.show(twin, only_displayed=True)
-    announce_page(page.url, open_browser=open_browser)
+    page.announce(open_browser=open_browser)
     while not stopped:
         cockpit.process_requests()
         time.sleep(_FRAME)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_version, announce_page, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, add_version, run_program, say, stop_signals
 
 if TYPE_CHECKING:
     from drake_twin.playback.bag import Bag
@@ -78,7 +78,7 @@ def _play(bag: "Bag", package_paths: tuple[str, ...], options: argparse.Namespac
         _announce(bag, [robot.name for robot in robots])
         for name, link in unplaced:
             say(f"no transform places {link}: {name} does not move from its place", sys.stderr)
-        announce_page(page.url, open_browser=not options.no_browser)
+        page.announce(open_browser=not options.no_browser)
         last = time.perf_counter()
         while not stopped and not (options.end and player.paused):
             now = time.perf_counter()

@@ -9,12 +9,16 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from drake_twin.errors import InputError, TwinError
 from drake_twin.extensions import place_of_others
 from drake_twin.requirements import imports_explained
+
+_NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # of files; a pipe or a terminal that is closed is the reader's wish
+_lost_output: list[str] = []  # why a part of standard output is lost
 
 FIGURES = (".png", ".svg", ".pdf")
 
@@ -124,7 +128,7 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         logging.getLogger().addHandler(_OthersLogHandler(logging.WARNING))
     try:
         with imports_explained():
-            return program(arguments)
+            return _unless_lost(program(arguments))
     except TwinError as error:
         if "--debug" in arguments:
             raise
@@ -134,7 +138,7 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         if "--debug" in arguments:
             raise
         say(f"error: {error}", sys.stderr)
-        return 2
+        return 1 if error.errno in _NOT_WRITTEN else 2
     except KeyboardInterrupt:
         return 130
     except Exception as error:  # of a plug-in: the twin's own mistakes show their traceback
@@ -144,6 +148,14 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         what = " ".join(f"{type(error).__name__}: {error}".split())
         say(f"error: {place}: {what}: code of another package has failed (--debug: the traceback)", sys.stderr)
         return 1
+
+
+def _unless_lost(code: int) -> int:
+    """Return a program's exit code; 1 in place of 0 if a part of its output is lost."""
+    if not _lost_output:
+        return code
+    say(f"error: standard output cannot be written ({_lost_output.pop()}): a part of it is lost", sys.stderr)
+    return code or 1
 
 
 def leave(code: int) -> NoReturn:
@@ -205,20 +217,11 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
     try:
         stream.write(text + end)
         stream.flush()
-    except (OSError, ValueError):
+    except (OSError, ValueError) as error:
+        if stream is sys.stdout and getattr(error, "errno", None) in _NOT_WRITTEN:
+            _lost_output[:] = [getattr(error, "strerror", "")]
         with contextlib.suppress(OSError, ValueError):  # discard what the interpreter flushes at its end
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-
-
-def announce_page(url: str, *, open_browser: bool) -> None:
-    """Print the page's address, and open it in a browser if that is wanted and there is a desktop."""
-    say(f"page: {url}")
-    if not open_browser:
-        return
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin":
-        import webbrowser
-
-        webbrowser.open(url)
 
 
 @contextlib.contextmanager

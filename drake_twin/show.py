@@ -9,7 +9,6 @@ from types import ModuleType
 from drake_twin.cockpit.served_page import ServedPage
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
-from drake_twin.program import announce_page
 from drake_twin.twin.owner import Owned, any_thread
 from drake_twin.twin.twin import Twin
 
@@ -42,7 +41,7 @@ def show(twin: Twin, *, port: int | None = None, open_browser: bool = False) -> 
         raise InputError(f"{shortened(twin)} is not a twin: TwinBuilder(...).build() makes one")
     pages = (getattr(callback, "__self__", None) for callback in twin.frames.callbacks)
     page = next((item for item in pages if isinstance(item, TwinPage)), None) or TwinPage(twin, port)
-    announce_page(page.url, open_browser=open_browser)
+    page._page.announce(open_browser=open_browser)
     return page
 
 

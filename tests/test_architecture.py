@@ -43,7 +43,7 @@ ROOMS = [
     ["scenario"],
     ["description"],
     ["messages"],
-    ["program", "progress", "python_process", "whole_file"],
+    ["program", "progress", "python_process", "whole_file", "own_host"],
     ["findings"],
     ["typed_data"],
     ["values", "extensions", "frozen", "requirements", "saved", "versions"],

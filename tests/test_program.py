@@ -20,7 +20,14 @@ def failing(error):
 
 
 @pytest.mark.parametrize(
-    ("error", "code"), [(InputError("x"), 2), (RunError("x"), 1), (OSError("x"), 2), (KeyboardInterrupt(), 130)]
+    ("error", "code"),
+    [
+        (InputError("x"), 2),
+        (RunError("x"), 1),
+        (OSError("x"), 2),
+        (OSError(28, "x"), 1),
+        (KeyboardInterrupt(), 130),
+    ],
 )
 def test_errors_become_exit_codes(error, code, capsys):
     assert run_program(failing(error), []) == code
@@ -80,6 +87,15 @@ def test_a_closed_output_does_not_end_a_program(tmp_path):
     command = f"{sys.executable} -m drake_twin.run --headless --duration 0.1 >&-"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
+
+
+def test_output_that_a_full_disk_loses_is_exit_code_1():
+    words = [sys.executable, "-m", "drake_twin.run", "--robots", "1", "--show-scenario"]
+    with open("/dev/full", "w") as full:
+        result = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
+    assert result.returncode == 1
+    what = "standard output cannot be written (No space left on device): a part of it is lost"
+    assert result.stderr == f"error: {what}\n"
 
 
 def test_say_goes_on_when_nobody_reads():

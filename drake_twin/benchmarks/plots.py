@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.benchmarks.report import Cell, Table
+from drake_twin.whole_file import write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,5 +88,5 @@ def _label(panel: "Axes", title: str, x: str, y: str) -> None:
 
 def _save(figure: "Figure", file: Path) -> Path:
     figure.tight_layout()
-    figure.savefig(file)
+    write_figure("figure", file, figure)
     return file

@@ -9,6 +9,8 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
+from drake_twin.whole_file import write_result
+
 Cell = str | float | int | None
 
 
@@ -54,10 +56,10 @@ def save(tables: Sequence[Table], folder: Path) -> None:
     """Write ``benchmarks.json`` and ``benchmarks.md`` to a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     what = {"machine": machine(), "tables": [asdict(table) for table in tables]}
-    (folder / "benchmarks.json").write_text(json.dumps(what, indent=1) + "\n", encoding="utf-8")
+    write_result("report", folder / "benchmarks.json", json.dumps(what, indent=1) + "\n")
     measured_on = ", ".join(f"{name} {value}" for name, value in machine().items())
     text = "\n".join([f"Measured on: {measured_on}.\n", *(table.markdown() for table in tables)])
-    (folder / "benchmarks.md").write_text(text, encoding="utf-8")
+    write_result("report", folder / "benchmarks.md", text)
 
 
 def _text(cell: Cell) -> str:

@@ -6,11 +6,10 @@ import numpy as np
 
 from drake_twin.calibration.measured import UNITS, kind_of
 from drake_twin.calibration.result import Curve, Result
-from drake_twin.errors import RunError
 from drake_twin.requirements import missing
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 from drake_twin.versions import stamp
-from drake_twin.whole_file import write_whole
+from drake_twin.whole_file import write_figure, write_result
 
 _UNKNOWN = 10.0  # s; the error of a delay of which a log says nothing
 
@@ -107,10 +106,7 @@ def draw(file: Path, result: Result) -> None:
     axes[0].legend(fontsize="small")
     for axis in axes[max(0, len(result.curves) - columns) : len(result.curves)]:
         axis.set_xlabel("time of the log (s)")
-    try:
-        figure.savefig(file)
-    except (OSError, ValueError) as error:
-        raise RunError(f"the figure {file} cannot be written ({error})") from None
+    write_figure("figure", file, figure)
 
 
 def write_fitted(file: Path, result: Result) -> None:
@@ -123,4 +119,4 @@ def write_fitted(file: Path, result: Result) -> None:
     known += [f"# {path}: not known from the logs" for path in result.unknown]
     known += [f"# problem: {problem}" for problem in result.problems]
     head = [f"# Fitted by drake_twin.calibrate: χ²/dof {result.chi_squared:.3f}; {stamp()}", *known]
-    write_whole(file, "\n".join([*head, scenario_to_yaml(result.scenario)]))
+    write_result("scenario", file, "\n".join([*head, scenario_to_yaml(result.scenario)]))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_twin.cli.results import write_result
+from drake_twin.whole_file import write_result
 
 if TYPE_CHECKING:
     from drake_twin.cockpit.scene import Scene

@@ -7,14 +7,13 @@ named and colored, the others gray.
 from __future__ import annotations
 
 from importlib.util import find_spec
-from io import BytesIO
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_twin.cli.results import write_result
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
+from drake_twin.whole_file import write_figure
 
 if TYPE_CHECKING:  # the history needs Drake; checking a name does not
     from matplotlib.axes import Axes
@@ -83,9 +82,7 @@ def write_plot(history: RunHistory, file: Path) -> None:
         axes = sheet.axes(_LEFT, y - _TITLE - _ROW, width - _LEFT - _RIGHT, _ROW)
         _draw_real_time_factor(axes, history)
         dots = min(_DOTS_PER_INCH, _MOST_DOTS / max(width, height))
-        drawn = BytesIO()
-        sheet.figure.savefig(drawn, dpi=dots, format=file.suffix.lower().removeprefix("."))
-        write_result("plot", file, drawn.getvalue())
+        write_figure("plot", file, sheet.figure, dpi=dots)
 
 
 class _Sheet:

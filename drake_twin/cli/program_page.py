@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from drake_twin.cli.target import Target
-from drake_twin.program import announce_page, say
+from drake_twin.program import say
 
 if TYPE_CHECKING:
     from drake_twin.cockpit.scene import Scene
@@ -46,7 +46,7 @@ class ProgramPage:
         if self._view_sensors:
             cockpit.sensors.show_all()
         if self._shown is None:
-            announce_page(self._page.url, open_browser=self._open_browser)
+            self._page.announce(open_browser=self._open_browser)
             if not self._page.server.access.is_local:
                 say("open to other machines: anyone with this address sees and commands the robots", sys.stderr)
         self._shown = twin

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.errors import RunError
 from drake_twin.program import say
-from drake_twin.whole_file import write_whole
+from drake_twin.whole_file import write_result
 
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
@@ -47,23 +47,6 @@ def save_results(
     return failure
 
 
-def write_result(what: str, file: Path, content: str | bytes) -> None:
-    """Write a file whole.
-
-    Args:
-        what: What it is, for the error.
-        file: The file.
-        content: Its text, or its bytes.
-
-    Raises:
-        RunError: If it cannot be written.
-    """
-    try:
-        write_whole(file, content)
-    except OSError as error:
-        raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
-
-
 def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None, failure: RunError | None) -> None:
     """Print the result, and write the summary."""
     from drake_twin.cli.summary import summary
@@ -72,7 +55,7 @@ def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None,
     count = len(result["robots"])
     now = "" if f"{simulated:.3f}" == f"{twin.time:.3f}" else f", at {twin.time:.3f} s"
     say(
-        f"{count} robot{'s' if count > 1 else ''}, {simulated:.3f} s simulated in {wall_time:.3f} s"
+        f"{count} robot{'' if count == 1 else 's'}, {simulated:.3f} s simulated in {wall_time:.3f} s"
         f" (real-time factor {result['real_time_factor']:.2f}){now}, state {result['state_sha256'][:12]}"
     )
     if file is not None:

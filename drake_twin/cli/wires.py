@@ -2,12 +2,15 @@
 
 import argparse
 import contextlib
+import sys
 from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.program import say
 from drake_twin.wires.registry import WIRES, wire_kinds
+from drake_twin.wires.wire import close_all
 
 if TYPE_CHECKING:
     from drake_twin.nodes.nodes import Nodes
@@ -66,13 +69,17 @@ class Wires:
         self._seam = connect(twin, self._wires, nodes)
 
     def close(self) -> None:
-        """End the wires."""
-        if self._seam is not None:
-            self._seam.close()
-        else:
-            for wire in self._wires:
-                wire.close()
+        """End the wires.
+
+        Raises:
+            RunError: If one has lost messages that it was to keep.
+        """
+        seam, wires = self._seam, self._wires
         self._seam, self._wires = None, []
+        if seam is not None:
+            seam.close()
+        else:
+            close_all(wires)
 
     def _open(self, *, is_first: bool) -> None:
         for kind in self._kinds:
@@ -103,5 +110,10 @@ def open_wires(options: argparse.Namespace) -> Iterator[Wires | None]:
     wires = Wires(options)
     try:
         yield wires
-    finally:
-        wires.close()
+    except BaseException:
+        try:
+            wires.close()
+        except RunError as error:
+            say(f"error: {error}", sys.stderr)
+        raise
+    wires.close()

@@ -6,16 +6,19 @@ names the requesting site in ``Origin`` and the requested host in ``Host``.
 
 import contextlib
 import hmac
-import ipaddress
+import html
 import os
 import re
 import secrets
 import socket
 import stat
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-_EVERY_INTERFACE = ("0.0.0.0", "::")
+from drake_twin.own_host import is_every_interface, is_loopback, is_own_name, split_host
+
+_LONGEST_KEPT = 24 * 3600.0  # s
 
 
 def new_token() -> str:
@@ -26,7 +29,8 @@ def new_token() -> str:
 def kept_token(folder: Path, port: int) -> str:
     """Return the token of this user's last program on a port, so that an open page finds a restarted twin.
 
-    The token is stored in a file that only this user can read. If the file cannot be used, each token is a new one.
+    The token is stored in a file that only this user can read. If the file cannot be used, each token is a new one. A
+    token that is a day old is not used again: who has learned it once cannot use it for ever.
 
     Args:
         folder: The folder of the file.
@@ -37,15 +41,36 @@ def kept_token(folder: Path, port: int) -> str:
         descriptor = os.open(file, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         with open(descriptor, encoding="ascii") as stream:
             status = os.fstat(descriptor)
-            is_private = status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) == 0o600
+            is_young = 0.0 <= time.time() - status.st_mtime < _LONGEST_KEPT
+            is_private = is_young and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) == 0o600
             if is_private and (known := re.fullmatch(r"[\w-]{24}", stream.read(100))):
                 return known[0]
     token = new_token()
     with contextlib.suppress(OSError):
-        file.unlink(missing_ok=True)
-        with open(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as stream:
-            stream.write(token)
+        _write_private(file, token)
     return token
+
+
+def door(folder: Path, access: "Access") -> Path:
+    """Write a file that only this user can read, and that leads a browser to the page; return the file.
+
+    A browser that is started with the page's own address has the token in its command line, which all users can list.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    file = folder / f"open-{access.port}.html"
+    url = html.escape(access.url)
+    head = '<!DOCTYPE html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+    _write_private(file, f'{head}<meta http-equiv="refresh" content="0; url={url}"><a href="{url}">The page</a>\n')
+    return file
+
+
+def _write_private(file: Path, text: str) -> None:
+    """Write a new file that only this user can read, in place of one that may be another's."""
+    file.unlink(missing_ok=True)
+    with open(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as stream:
+        stream.write(text)
 
 
 @dataclass(frozen=True)
@@ -65,7 +90,7 @@ class Access:
     @property
     def url(self) -> str:
         """The page's address, including the token."""
-        name = socket.gethostname() if self.host in _EVERY_INTERFACE else self.host
+        name = socket.gethostname() if is_every_interface(self.host) else self.host
         return f"http://{_bracketed(name)}:{self.port}/{self.token}/"
 
     def refusal(self, host: str | None, origin: str | None, path: str, *, needs_origin: bool = False) -> str | None:
@@ -91,30 +116,14 @@ class Access:
     @property
     def is_local(self) -> bool:
         """Whether the server is reachable from this machine only."""
-        own = _address(self.host)
-        return self.host == "localhost" or (own is not None and own.is_loopback)
+        return is_loopback(self.host)
 
     def _is_own(self, host: str | None) -> bool:
         """Return whether a ``Host`` header names this server; names that an attacker's DNS could resolve never do."""
         if host is None:
             return False
-        name, _, port = host.rpartition(":")
-        if port != str(self.port):
-            return False
-        name = name.removeprefix("[").removesuffix("]").lower()
-        if name == self.host.lower():
-            return True
-        address = _address(name)
-        if self.host in _EVERY_INTERFACE:  # a bare address needs no DNS, so it cannot be an attacker's name
-            return address is not None or name in ("localhost", socket.gethostname().lower())
-        return name == "localhost" and self.is_local
-
-
-def _address(name: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    try:
-        return ipaddress.ip_address(name)
-    except ValueError:
-        return None
+        name, port = split_host(host)
+        return port == str(self.port) and is_own_name(name, self.host)
 
 
 def _bracketed(name: str) -> str:

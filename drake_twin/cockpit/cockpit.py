@@ -22,6 +22,7 @@ from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.sensor_view import SensorView
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import state, structure
+from drake_twin.cockpit.stepping import Stepping
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.cockpit.timeline import Timeline
 from drake_twin.errors import InputError
@@ -92,6 +93,7 @@ class Cockpit:
         self._recordings = 0
         self._end_run_to: Callable[[], None] | None = None
         self._efforts_left = 0
+        self._stepping = Stepping(twin)
         self._published_log = -1
         self._published_timeline = ""
         self._read_robots()
@@ -118,6 +120,8 @@ class Cockpit:
             in_callback: Whether a callback of the twin is the caller; what a callback cannot do is refused then.
         """
         self._process(in_callback=in_callback)
+        if not in_callback:
+            self._try(self._stepping.proceed)
         self._try(self._teleop.publish)
         if self._server.is_watched:
             self.draw()
@@ -203,14 +207,14 @@ class Cockpit:
     def _steer(self, client: int, request: protocol.Request) -> None:
         """Process a request that needs physics."""
         twin = self._twin
+        self._stepping.end_before(request)
         match request:
             case protocol.Play():
                 twin.play()
             case protocol.Pause():
                 twin.pause()
             case protocol.Step(count):
-                twin.pause()
-                twin.step(count)
+                self._stepping.begin(count)
             case protocol.RunTo(time):
                 self._run_to(time)
             case protocol.Reset():

@@ -102,6 +102,7 @@ def _page(commands: list[bytes]) -> str:
         # A browser ends a script at the first "</script", also inside a string.
         "/* meshcat.js */": meshcat_script().decode().replace("</script", "<\\/script"),
         "/* viewer.js */": static.joinpath("viewer.js").read_text(),
+        "/* surroundings.js */": static.joinpath("surroundings.js").read_text(),
         "(commands)": "\n".join(base64.b64encode(command).decode() for command in commands),
     }
     page = static.joinpath("recorded.html").read_text()

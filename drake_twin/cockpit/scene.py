@@ -21,16 +21,6 @@ from drake_twin.twin.twin import Twin
 TWIN = "/twin"  # the path of the twin's bodies
 OVERLAYS = "/overlays"  # the path of the overlays
 
-# Even light: Meshcat's point lights, a few meters up, would leave two bright spots on the ground.
-_LIGHTS = {
-    "AmbientLight": 1.8,
-    "FillLight": 2.0,
-    "SpotLight": 30.0,
-    "PointLightNegativeX": 0.0,
-    "PointLightPositiveX": 0.0,
-}
-_SKY_TOP, _SKY_BOTTOM = [0.55, 0.70, 0.86], [0.93, 0.95, 0.97]
-
 CommandKey = tuple[bytes, ...]
 
 
@@ -153,12 +143,7 @@ class Scene:
         self.set_property("/Cameras/default/rotated/<object>", "position", here)
 
     def set_up(self, twin: Twin) -> None:
-        """Set sky and lights, and place the camera to the front left of all robots."""
-        self.set_property("/Background/<object>", "top_color", _SKY_TOP)
-        self.set_property("/Background/<object>", "bottom_color", _SKY_BOTTOM)
-        self.set_property("/Axes/<object>", "visible", False)
-        for light, intensity in _LIGHTS.items():
-            self.set_property(f"/Lights/{light}/<object>", "intensity", intensity)
+        """Place the camera to the front left of all robots."""
         center, reach = place_of_robots(twin)
         self.set_camera_pose(center + reach * np.array([0.75, -0.65, 0.65]), center)
 

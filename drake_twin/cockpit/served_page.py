@@ -1,13 +1,18 @@
 """The page of a program: its server and its scene, which survive a rebuilt twin."""
 
+import atexit
+import os
+import sys
 from dataclasses import replace
 
-from drake_twin.cockpit.access import Access, kept_token
+from drake_twin.cockpit.access import Access, door, kept_token
 from drake_twin.cockpit.cockpit import Cockpit
+from drake_twin.cockpit.listening import bind
 from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.scene import Scene
-from drake_twin.cockpit.server import PageServer, bind
+from drake_twin.cockpit.server import PageServer
 from drake_twin.description.mesh_cache import cache_folder
+from drake_twin.program import say
 from drake_twin.twin.twin import Twin
 
 
@@ -38,6 +43,22 @@ class ServedPage:
     def url(self) -> str:
         """The page's address, including its token."""
         return self.server.url
+
+    def announce(self, *, open_browser: bool) -> None:
+        """Print the page's address, and open it in a browser if that is wanted and there is a desktop."""
+        say(f"page: {self.url}")
+        has_desktop = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin"
+        if not (open_browser and has_desktop):
+            return
+        import webbrowser
+
+        try:
+            file = door(cache_folder("page"), self.server.access)
+        except OSError as error:
+            say(f"no browser is opened: its address cannot be kept from other users ({error.strerror})", sys.stderr)
+            return
+        atexit.register(file.unlink, missing_ok=True)
+        webbrowser.open(file.as_uri())
 
     def show(self, twin: Twin, *, only_displayed: bool = False, player: Player | None = None) -> Cockpit:
         """Show a twin in place of the one before.

@@ -9,7 +9,7 @@ import asyncio
 import queue
 import socket
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,11 @@ from aiohttp.typedefs import Handler
 from drake_twin.cockpit.access import Access
 from drake_twin.cockpit.protocol import EmergencyStop, Gone, Request, parse
 from drake_twin.cockpit.scene import Commands, Scene
-from drake_twin.errors import InputError
 from drake_twin.shared_viewer.meshcat_protocol import Command
 
-_FIRST_PORT, _LAST_PORT = 7000, 7099
 _LONGEST_MESSAGE = 1 << 16  # bytes
 _MOST_PENDING = 1000  # requests
+_MOST_CLIENTS = 500  # web sockets of pages, and as many of their scenes
 _HEARTBEAT = 20.0  # s
 _ALIVE = 0.5  # s between two messages that the server is alive
 _LONGEST_NAME = 100  # of a static file
@@ -51,40 +50,11 @@ _ANCESTORS, _SCENE_ANCESTORS = "'none'", "'self'"
 _OF_THIS_MACHINE = "http://127.0.0.1:* http://localhost:* https://127.0.0.1:* https://localhost:*"
 
 
-def bind(port: int | None, host: str) -> socket.socket:
-    """Return a listening socket for the page.
-
-    Args:
-        port: The port; by default the first free one from 7000 on.
-        host: The address to listen on.
-
-    Raises:
-        InputError: If the port is taken or forbidden, or the address does not belong to this machine.
-    """
-    try:
-        family, _, _, _, _ = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family) as probe:
-            probe.bind((host, 0))
-    except (OSError, UnicodeError):
-        raise InputError(f"no page can be served at {host!r}: the address does not belong to this machine") from None
-    for candidate in (port,) if port is not None else range(_FIRST_PORT, _LAST_PORT + 1):
-        try:
-            return socket.create_server((host, candidate), family=family)
-        except OSError:
-            continue
-    if port is None:
-        raise InputError(f"no page can be served at {host}: ports {_FIRST_PORT} to {_LAST_PORT} are all taken")
-    raise InputError(
-        f"port {port} of {host} cannot be used: another program uses it, or it is not allowed. Choose another port, or"
-        " none for the first free one"
-    )
-
-
 class PageServer:
     """Serves the page's files and its web socket.
 
     Args:
-        listening: The socket, see `bind`.
+        listening: The socket, see `drake_twin.cockpit.listening.bind`.
         host: The address that it listens on.
         scene: The scene to draw.
         access: What requests must carry; by default a new token.
@@ -261,6 +231,7 @@ class PageServer:
 
     async def _scene_socket(self, request: web.Request) -> web.WebSocketResponse:
         """Send the scene's commands; messages of the browser are ignored."""
+        _check_room(self._viewers)
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
         await web_socket.prepare(request)
         viewer = _Viewer(web_socket, self._scene.everything())
@@ -289,6 +260,7 @@ class PageServer:
             viewer.add(commands)
 
     async def _web_socket(self, request: web.Request) -> web.WebSocketResponse:
+        _check_room(self._clients)
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
         await web_socket.prepare(request)
         self._count += 1
@@ -331,6 +303,11 @@ class PageServer:
         self._latest |= texts
         for client in self._clients.values():
             client.add(texts)
+
+
+def _check_room(connected: Collection[object]) -> None:
+    if len(connected) >= _MOST_CLIENTS:
+        raise web.HTTPServiceUnavailable(text=f"{_MOST_CLIENTS} pages are open, which is the most\n")
 
 
 class _Client:

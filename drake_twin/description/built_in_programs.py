@@ -12,6 +12,11 @@ _PROGRAMS = {
         "depthimage_to_laserscan_node": ("depthimage_to_laserscan", "main"),
         "depthimage_to_laserscan::DepthImageToLaserScanROS": ("depthimage_to_laserscan", "main"),
     },
+    "irobot_create_nodes": {
+        "motion_control": ("create3_nodes", "motion_control"),
+        "ui_mgr": ("create3_nodes", "ui_mgr"),
+    },
+    "moveit_ros_move_group": {"move_group": ("move_group", "main")},
     "image_proc": {"rectify_node": ("rectify_node", "main"), "image_proc::RectifyNode": ("rectify_node", "main")},
     "pointcloud_to_laserscan": {
         "laserscan_to_pointcloud_node": ("pointcloud_to_laserscan", "cloud"),
@@ -36,6 +41,11 @@ _PROGRAMS = {
         "topic_tools::RelayNode": ("topic_tools", "relay"),
         "throttle": ("topic_tools", "throttle"),
         "topic_tools::ThrottleNode": ("topic_tools", "throttle"),
+    },
+    "turtlesim": {
+        "mimic": ("turtlesim_node", "mimic"),
+        "turtle_teleop_key": ("turtle_teleop_key", "main"),
+        "turtlesim_node": ("turtlesim_node", "main"),
     },
     "twist_stamper": {
         "twist_stamper": ("twist_stamper", "stamp"),

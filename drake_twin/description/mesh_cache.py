@@ -9,11 +9,14 @@ import tempfile
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 from drake_twin.description.source_file import check_regular
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, RunError
 from drake_twin.versions import MESHES
 from drake_twin.whole_file import write_whole
+
+_T = TypeVar("_T")
 
 # Part of every cached file's name: it changes when a conversion gives other files.
 _CONVERSION = str(MESHES.version)
@@ -44,18 +47,47 @@ def cache_folder(name: str) -> Path:
     return _temporary_folder(name)
 
 
-@lru_cache(maxsize=8)
+def in_cache(name: str, keep: Callable[[Path], _T]) -> _T:
+    """Keep something in a folder of the cache; where that is full, in the one of the system's temporary folder.
+
+    Args:
+        name: The folder's name.
+        keep: Keeps it in the folder that it is given.
+
+    Returns:
+        What the function returns.
+
+    Raises:
+        RunError: If neither can be written. It is not an `InputError`, which would be one of the file that is read.
+    """
+    folder = cache_folder(name)
+    try:
+        return keep(folder)
+    except OSError as error:
+        reason = error.strerror
+    try:
+        return keep(_temporary_folder(name))
+    except OSError:
+        elsewhere = f"name a place with space in XDG_CACHE_HOME, or make some in {tempfile.gettempdir()}"
+        raise RunError(f"the cache {folder} cannot be written ({reason}): {elsewhere}") from None
+
+
 def _temporary_folder(name: str) -> Path:
+    folder = _temporary_base() / name
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@lru_cache(maxsize=1)
+def _temporary_base() -> Path:
     base = Path(tempfile.gettempdir(), f"drake_twin_{os.getuid()}")
     with contextlib.suppress(OSError):
         base.mkdir(mode=0o700, exist_ok=True)
         status = base.lstat()  # of a link that another user has put there, too
-        if stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o077:
-            folder = base / name
-            folder.mkdir(exist_ok=True)
-            if os.access(folder, os.W_OK):
-                return folder
-    return Path(tempfile.mkdtemp(prefix=f"drake_twin_{name}_"))
+        is_own = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o077
+        if is_own and os.access(base, os.W_OK):
+            return base
+    return Path(tempfile.mkdtemp(prefix="drake_twin_"))
 
 
 def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
@@ -70,22 +102,28 @@ def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
         convert: Makes the converted file's bytes.
 
     Raises:
-        InputError: If the source cannot be read, or the cache cannot be written.
+        InputError: If the source cannot be read.
+        RunError: If the cache cannot be written, nor the temporary folder.
     """
-    target = mesh_cache_folder() / (_digest(source) + suffix)
-    if _is_sound(target):
-        with contextlib.suppress(OSError):
-            os.utime(target)  # recently used files are kept longest
-            os.utime(_seal(target))
-        return target
-    content = convert(source)
-    try:
+    name = _digest(source) + suffix
+    content: bytes | None = None
+
+    def keep(folder: Path) -> Path:
+        nonlocal content
+        target = folder / name
+        if _is_sound(target):
+            with contextlib.suppress(OSError):
+                os.utime(target)  # recently used files are kept longest
+                os.utime(_seal(target))
+            return target
+        content = convert(source) if content is None else content
         write_whole(target, content)
+        _seal(target).parent.mkdir(exist_ok=True)
         write_whole(_seal(target), hashlib.sha256(content).hexdigest())
-        _trim(target.parent)
-    except OSError as error:
-        raise InputError(f"the mesh cache cannot be written ({error.strerror})", file=target.parent) from None
-    return target
+        _trim(folder)
+        return target
+
+    return in_cache("meshes", keep)
 
 
 def note_source(target: Path, source: Path) -> None:
@@ -93,6 +131,7 @@ def note_source(target: Path, source: Path) -> None:
     note, text = _note(target), str(source.absolute())
     with contextlib.suppress(OSError, UnicodeError):
         if not note.is_file() or note.read_text(encoding="utf-8") != text:
+            note.parent.mkdir(exist_ok=True)
             write_whole(note, text)
 
 
@@ -107,12 +146,12 @@ def source_of(target: Path) -> Path | None:
 
 def _note(target: Path) -> Path:
     """Return the file with the path of a cached file's source."""
-    return cache_folder("mesh_sources") / f"{target.name}.txt"
+    return target.parent.with_name("mesh_sources") / f"{target.name}.txt"
 
 
 def _seal(target: Path) -> Path:
     """Return the file with the checksum of a cached file."""
-    return cache_folder("mesh_checksums") / f"{target.name}.sha256"
+    return target.parent.with_name("mesh_checksums") / f"{target.name}.sha256"
 
 
 def _is_sound(target: Path) -> bool:

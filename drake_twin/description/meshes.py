@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from drake_twin.description.coarse_mesh import coarser
+from drake_twin.description.creased_normals import creased_normals
 from drake_twin.description.hull import hull_of
 from drake_twin.description.mesh_cache import cached, note_source
 from drake_twin.description.mesh_faults import THINNEST, MeshFaults, faults_of
@@ -25,6 +26,15 @@ _FAULTS = ".faults.json"
 
 MOST_DRAWN = 500_000  # triangles of a mesh without colours: a page draws no more at once
 _FINEST_DRAWN = 1 / 1024  # of its size: details of a mesh of more
+
+# What files that give normals have in them.
+_NORMALS = {
+    ".obj": rb"^vn ",
+    ".ply": rb"^property \w+ nx\b",
+    ".dae": rb"""semantic=["']NORMAL["']""",
+    ".glb": rb'"NORMAL"',
+    ".gltf": rb'"NORMAL"',
+}
 
 # A primitive replaces a mesh whose hull's vertices are on it within this part of the mesh's size.
 _PRIMITIVE_TOLERANCE = 1e-3
@@ -181,7 +191,9 @@ def _primitive_of_hull(hull: Path, scale: Vector3) -> Primitive | None:
 
 
 def _has_normals(file: Path) -> bool:
-    return re.search(rb"^vn ", _bytes(file), re.MULTILINE) is not None
+    """Tell whether a file gives its own normals; an STL's are its triangles'."""
+    mark = _NORMALS.get(file.suffix.lower())
+    return mark is not None and re.search(mark, _bytes(file), re.MULTILINE) is not None
 
 
 def _has_no_colors(file: Path) -> bool:
@@ -229,7 +241,14 @@ def _thick_obj(file: Path) -> bytes:
 
 
 def _obj_of(mesh: Any) -> bytes:
-    return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False)).encode()
+    """Return an OBJ file whose edges are drawn as sharp as they are."""
+    text = str(mesh.export(file_type="obj", include_normals=False, include_color=False, include_texture=False))
+    normals, indices = creased_normals(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    lines = [line for line in text.splitlines() if line.startswith("v ")]
+    lines += [f"vn {x:.6g} {y:.6g} {z:.6g}" for x, y, z in normals.tolist()]
+    corners = np.stack([np.asarray(mesh.faces), indices], axis=2).reshape(-1, 6) + 1
+    lines += [f"f {a}//{i} {b}//{j} {c}//{k}" for a, i, b, j, c, k in corners.tolist()]
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _with_fewer_triangles(mesh: Any) -> Any:
@@ -249,6 +268,10 @@ def _visual_gltf(file: Path) -> bytes:
     scene, unplaced = read_scene(file)
     _examined(scene, unplaced, file)  # raises if it has no triangles
     with reading(file):
+        if not _has_normals(file):
+            for mesh in scene.geometry.values():
+                if len(getattr(mesh, "faces", ())):
+                    _crease(mesh)
         scene.apply_transform(Z_UP_TO_Y_UP)
         glb = scene.export(file_type="glb", include_normals=True)
     (length,) = struct.unpack_from("<I", glb, 12)
@@ -256,6 +279,16 @@ def _visual_gltf(file: Path) -> bytes:
     binary = glb[20 + length + 8 :]
     document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
     return json.dumps(document).encode()
+
+
+def _crease(mesh: Any) -> None:
+    """Give a mesh normals that are sharp at its edges, where it has a vertex for each of them."""
+    vertices, corners = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    normals, faces = creased_normals(vertices, corners)
+    vertex_of = np.empty(len(normals), int)
+    vertex_of[faces] = corners
+    mesh.update_vertices(vertex_of)
+    mesh.faces, mesh.vertex_normals = faces, normals
 
 
 def _hull_obj(file: Path) -> bytes:

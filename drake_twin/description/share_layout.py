@@ -17,7 +17,7 @@ from pathlib import Path
 from lxml import etree
 
 from drake_twin.description.cmake_install import cmake_installs
-from drake_twin.description.mesh_cache import cache_folder
+from drake_twin.description.mesh_cache import in_cache
 from drake_twin.description.setup_py import setup_installs
 
 # Folders that packages usually install to the top of their share folder.
@@ -47,18 +47,22 @@ def installed_layout(package: Path) -> Path:
     for place, source in moved:
         _lay(tree, Path(os.path.normpath(place)).parts, source)
     entries = sorted(_entries(tree, ""))
+    return in_cache("share", lambda folder: _view(folder, package.name, entries))
+
+
+def _view(folder: Path, name: str, entries: list[tuple[str, Path | None]]) -> Path:
     # The same path in every run for the same look, so that a scenario that names a file in it can be saved.
-    lasting = cache_folder("share") / _digest(entries) / package.name
+    lasting = folder / _digest(entries) / name
     if not lasting.is_dir():
         lasting.parent.mkdir(exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=lasting.parent.parent) as folder:
-            view = Path(folder) / package.name
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            view = Path(scratch) / name
             view.mkdir()
-            for name, target in entries:
+            for entry, target in entries:
                 if target is None:
-                    (view / name).mkdir()
+                    (view / entry).mkdir()
                 else:
-                    (view / name).symlink_to(target)
+                    (view / entry).symlink_to(target)
             with contextlib.suppress(OSError):  # another process was faster
                 view.rename(lasting)
     return lasting

@@ -10,7 +10,7 @@ from pathlib import Path
 from pydrake.systems.framework import Diagram
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.whole_file import write_whole
+from drake_twin.whole_file import write_result
 
 _IDENTIFIER = re.compile(r'(?<![\w">])(_|s|clusters?)(\d+)')
 _SYSTEM = re.compile(
@@ -73,8 +73,8 @@ def write_picture(diagram: Diagram, file: Path) -> None:
         file: A ``.dot`` file, or an ``.svg`` file, for which Graphviz's ``dot`` program must be installed.
 
     Raises:
-        InputError: If the suffix is another one, ``dot`` is not installed, or the file cannot be written.
-        RunError: If ``dot`` fails.
+        InputError: If the suffix is another one, or ``dot`` is not installed.
+        RunError: If ``dot`` fails, or the file cannot be written.
     """
     text = dot_text(diagram)
     if file.suffix == ".svg":
@@ -85,10 +85,7 @@ def write_picture(diagram: Diagram, file: Path) -> None:
             raise InputError(f"{error.message}; {without}", file=file) from None
     elif file.suffix != ".dot":
         raise InputError(f"a diagram is written as .dot or .svg, not {file.suffix!r}", file=file)
-    try:
-        write_whole(file, text)
-    except OSError as error:
-        raise InputError(f"cannot write the picture ({error.strerror})", file=file) from None
+    write_result("picture", file, text)
 
 
 def _with_sorted_edges(lines: list[str]) -> Iterator[str]:

@@ -169,7 +169,7 @@ def _drakes_refusal(what: str, plan: RobotPlan | None = None) -> Iterator[None]:
 
 def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) -> ModelInstanceIndex:
     with captured_warnings() as messages:
-        (instance,) = _parse(plant, plan)
+        (instance,) = parse_robot(plant, plan)
     texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
     remove_actuators(plant, [instance])  # here only commanded joints have one
     plant.set_gravity_enabled(instance, plan.model.falls)
@@ -219,7 +219,8 @@ def _add_brakes(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceI
     ]
 
 
-def _parse(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
+def parse_robot(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
+    """Add a robot as Drake's parser reads its model."""
     model, description = plan.model, plan.description
     if model.drake_format != "sdf":
         is_lumped = model.drake_format == "urdf" and plant.time_step() == 0.0

@@ -170,7 +170,7 @@ class _Sorter:
         self._findings += found.findings
         self._log += found.warnings
         self._findings += never_happened(self._launched, self._file, self._happens)
-        if not (found.robots or any(spawns(node, self._packages, self._file) for node in self._nodes)):
+        if not (found.robots or self._needs_no_robot(found)):
             raise self._no_robot()
         robots = tuple(self._robots(found))
         return LaunchedEntities(
@@ -349,6 +349,14 @@ class _Sorter:
             if topic != f"{own}/robot_description":
                 found[f"{own}/robot_description"] = topic
         return found | renamed(self._bridges or ())
+
+    def _needs_no_robot(self, found: LaunchedRobots) -> bool:
+        """Return whether there are node programs that spawn robots, or nothing but node programs."""
+        if any(spawns(node, self._packages, self._file) for node in self._nodes):
+            return True
+        asks = self._worlds or self._requests or found.findings or self._launched.failed_includes
+        of_robots = (is_spawner(process) or is_state_publisher(process) for process in self._processes)
+        return bool(self._nodes) and not (asks or any(of_robots))
 
     def _no_robot(self) -> InputError:
         text = "the launch file starts no robot"

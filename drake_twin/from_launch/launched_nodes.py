@@ -140,7 +140,7 @@ def publishes_simulated_states(process: LaunchedProcess, robots: Iterable[Launch
 
 def needs_terminal(process: LaunchedProcess) -> bool:
     """Return whether a node reads keys from a terminal of its own, which a launch file's node does not have."""
-    return process.package == "teleop_twist_keyboard"
+    return process.executable in ("teleop_twist_keyboard", "turtle_teleop_key")
 
 
 def _script(process: LaunchedProcess) -> NodeProgram | None:

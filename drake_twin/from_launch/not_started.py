@@ -56,6 +56,12 @@ _EXECUTABLES = {
     "teleop_twist_keyboard": {
         "teleop_twist_keyboard": "it needs a terminal: --node 'teleop_twist_keyboard teleop_twist_keyboard'"
     },
+    "turtlesim": {
+        "turtlesim_node": "",
+        "mimic": "",
+        "turtle_teleop_key": "it needs a terminal: --node 'turtlesim turtle_teleop_key'",
+        "draw_square": "",
+    },
     "rclcpp_components": {
         "component_container": "its components are looked at one by one",
         "component_container_mt": "its components are looked at one by one",

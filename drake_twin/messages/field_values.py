@@ -36,7 +36,7 @@ def field_value(description: Any, value: Any, path: str, message: Callable[[str,
     if value is None and node == Nodetype.ARRAY:
         values = [None] * size
     kind = element[1][0] if element[0] == Nodetype.BASE else ""
-    if is_vector(values) and "float" in kind:
+    if (is_vector(values) and "float" in kind) or _fits(values, kind):
         items: Any = values
     else:
         items = [field_value(element, item, f"{path[:-1]}[{index}].", message) for index, item in enumerate(values)]
@@ -50,6 +50,14 @@ def is_vector(value: Any) -> bool:
     import numpy as np
 
     return isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.ndim == 1
+
+
+def _fits(value: Any, kind: str) -> bool:
+    """Tell whether a value is a one-dimensional NumPy array of whole numbers that a type of ROS has all."""
+    import numpy as np
+
+    is_whole = isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "iu"
+    return is_whole and "int" in kind and np.can_cast(value.dtype, kind)
 
 
 def list_of(value: Any, path: str) -> Any:

@@ -1,13 +1,16 @@
 """The actions that node programs share with each other and with the twin."""
 
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
 
 from drake_twin.errors import TwinError
+from drake_twin.messages.interface_types import make
 from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.graph_items import GoalListener
 from drake_twin.nodes.outside_action import OutsideAction
+from drake_twin.nodes.program import Program
 from drake_twin.twin.action import ActionGoal
 
 # action_msgs/msg/GoalStatus
@@ -20,6 +23,7 @@ _STATUSES = {
     "aborted": ABORTED,
 }
 NO_ERROR, REJECTED, UNKNOWN_GOAL, ENDED_GOAL = range(4)  # action_msgs/srv/CancelGoal
+_MOST_ENDED = 50  # goals that are known to have ended
 _FEEDBACK_PERIOD = 50_000_000  # ns; action_monitor_rate is 20 Hz by default
 
 
@@ -36,15 +40,6 @@ class ActionOffer(Protocol):
     type: str
     node: str
 
-    def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
-        """Take a goal."""
-
-    def put_cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
-        """Take the wish to cancel a goal."""
-
-    def status_of(self, key: bytes) -> int:
-        """Return the status of a goal; `UNKNOWN` if it is not kept."""
-
 
 class ActionGraph:
     """The actions.
@@ -57,6 +52,7 @@ class ActionGraph:
         self._graph = graph
         self.offers: dict[str, ActionOffer] = {}
         self._goals: dict[bytes, tuple[ActionGoal, GoalListener]] = {}
+        self._ended: deque[bytes] = deque(maxlen=_MOST_ENDED)
         self._outside: dict[str, list[OutsideAction]] = {}
 
     def post(self, act: Callable[[], None]) -> None:
@@ -78,17 +74,26 @@ class ActionGraph:
             del self.offers[offer.name]
             self._graph.note_change()
 
+    def forget(self, program: Program) -> None:
+        """Take back all that a program has."""
+        offers = list(self.offers.values())
+        for item in program.belongings:
+            if isinstance(item, OutsideAction) or any(item is offer for offer in offers):
+                self.withdraw(item)
+
     def call(self, name: str, kind: str, node: str) -> OutsideAction:
         """Look for an action that another program may offer, until `withdraw`."""
         action = OutsideAction(self._graph, name, kind, node)
         self._outside.setdefault(name, []).append(action)
         return action
 
-    def is_there(self, name: str, kind: str) -> bool:
-        """Return whether an action of a type is there."""
-        offer = self.offers.get(name)
-        is_own = (offer is not None and offer.type == kind) or self._graph.twin.graph.actions().get(name) == kind
-        return is_own or self._found_outside(name, kind) is not None
+    def is_twins(self, action: OutsideAction) -> bool:
+        """Return whether the twin itself offers an action."""
+        return bool(self._graph.twin.graph.actions().get(action.name) == action.type)
+
+    def is_there(self, action: OutsideAction) -> bool:
+        """Return whether an action is there."""
+        return self.is_twins(action) or action.is_there
 
     def names(self) -> list[tuple[str, list[str]]]:
         """Return each action with its types."""
@@ -106,32 +111,23 @@ class ActionGraph:
         found = {item.name: [item.type] for items in self._outside.values() for item in items if item.node == node}
         return sorted(found.items())
 
-    def send(self, name: str, kind: str, key: bytes, goal: Any, listener: GoalListener) -> None:
+    def send(self, action: OutsideAction, key: bytes, goal: Any, listener: GoalListener) -> None:
         """Send a goal; an action that is not there does not answer."""
-        offer = self.offers.get(name)
-        if offer is not None and offer.type == kind:
-            self._graph.post(partial(offer.put_goal, key, goal, listener))
-        elif self._graph.twin.graph.actions().get(name) == kind:
-            self._graph.post(partial(self._start, name, key, goal, listener))
-        elif (outside := self._found_outside(name, kind)) is not None:
-            outside.put_goal(key, goal, listener)
+        if self.is_twins(action):
+            self._graph.post(partial(self._start, action.name, key, goal, listener))
+        elif action.is_there:
+            action.put_goal(key, goal, listener)
 
-    def cancel(self, name: str, key: bytes, answered: Callable[[int], None]) -> None:
-        """Cancel a goal; the answer is a code of ``action_msgs/srv/CancelGoal``."""
-        offer = self.offers.get(name)
-        if offer is not None:
-            self._graph.post(partial(offer.put_cancel, key, answered))
-        elif (outside := next((item for item in self._outside.get(name, ()) if item.has_goal(key)), None)) is not None:
-            outside.put_cancel(key, answered)
-        else:
+    def cancel(self, action: OutsideAction, key: bytes, answered: Callable[[Any], None]) -> None:
+        """Cancel a goal; the answer is that of ``action_msgs/srv/CancelGoal``."""
+        if self.is_twins(action):
             self._graph.post(partial(self._cancel, key, answered))
-
-    def _found_outside(self, name: str, kind: str) -> OutsideAction | None:
-        return next((item for item in self._outside.get(name, ()) if item.type == kind and item.is_there), None)
+        else:
+            action.put_cancel(key, answered)
 
     def _start(self, name: str, key: bytes, goal: Any, listener: GoalListener) -> None:
         def ended(done: ActionGoal) -> None:
-            self._goals.pop(key, None)
+            self._forget(key)
             self._graph.post(partial(listener.ended, _STATUSES[done.status], done.result))
 
         try:
@@ -150,17 +146,21 @@ class ActionGraph:
             return
         goal, listener = known
         if goal.is_done:  # it was dropped by a reset, which calls nobody back
-            self._goals.pop(key, None)
+            self._forget(key)
             listener.ended(_STATUSES[goal.status], goal.result)
             return
         if (feedback := goal.feedback) is not None:
             listener.heard(feedback)
         self._graph.post(partial(self._feed_back, key), _FEEDBACK_PERIOD)
 
-    def _cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+    def _forget(self, key: bytes) -> None:
+        self._goals.pop(key, None)
+        self._ended.append(key)
+
+    def _cancel(self, key: bytes, answered: Callable[[Any], None]) -> None:
         known = self._goals.get(key)
-        if known is None:
-            self._graph.post(partial(answered, UNKNOWN_GOAL))
-            return
-        known[0].cancel()
-        self._graph.post(partial(answered, NO_ERROR))
+        fields: dict[str, Any] = {"return_code": ENDED_GOAL if key in self._ended else UNKNOWN_GOAL}
+        if known is not None:
+            known[0].cancel()
+            fields = {"return_code": NO_ERROR, "goals_canceling": [{"goal_id": {"uuid": list(key)}}]}
+        self._graph.post(partial(answered, make("action_msgs/srv/CancelGoal_Response", fields)))

@@ -202,7 +202,7 @@ class Graph:
             reception.put(message)
             self.twin.alarm.hasten(self.twin.time + delay)
 
-        reception.end = self.twin.subscribe(reception.topic, hear)
+        reception.end = self.twin.graph.subscribe(reception.topic, hear, None, kept=reception.wants_latched)
 
     def withdraw(self, item: Publication | Reception | Offer | Caller) -> None:
         """Take back what a node publishes, subscribes to, offers or asks."""
@@ -280,8 +280,9 @@ class Graph:
                     topic,
                     first.type,
                     first.node,
-                    latched=bool(first.depth),
+                    latched=any(item.depth for item in publications),
                     is_best_effort=best_effort,
+                    **self.quality.offered(publications),
                 )
         for topic, receptions in self.receptions.items():
             if topic not in self._commanded:
@@ -294,6 +295,7 @@ class Graph:
                     receptions[0].node,
                     latched=latched,
                     is_best_effort=best_effort,
+                    **self.quality.requested(receptions),
                 )
 
     def topics(self) -> dict[str, list[str]]:

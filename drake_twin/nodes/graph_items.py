@@ -118,11 +118,14 @@ class Offer:
 class GoalListener(Protocol):
     """Who has sent a goal."""
 
-    def answered(self, is_accepted: bool) -> None:
-        """Take note of whether the goal has been accepted."""
+    def answered(self, is_accepted: bool, stamp: Any = None) -> None:
+        """Take note of whether the goal has been accepted, and when; without a time it is the present one."""
 
     def heard(self, feedback: Any) -> None:
         """Take note of feedback."""
 
+    def moved(self, status: int) -> None:
+        """Take note of the goal's status."""
+
     def ended(self, status: int, result: Any) -> None:
-        """Take note of the goal's end; without a result it is None."""
+        """Take note of the end of a goal of the twin; without a result it is None."""

@@ -15,7 +15,7 @@ from types import ModuleType
 
 from drake_twin.description.python_modules import module_spec, python_modules
 from drake_twin.nodes.program import Program
-from drake_twin.nodes.stand_ins import YIELDING
+from drake_twin.nodes.stand_ins import YIELDING, imported
 from drake_twin.nodes.task import here
 from drake_twin.nodes.windows import opencv_spec, replace_windows
 
@@ -66,6 +66,7 @@ class NodeFinder(importlib.abc.MetaPathFinder):
         own = root in YIELDING and (folder := self._folder_of(root)) is not None and root in python_modules(folder)
         for source in () if own else self._sources:
             if (module := source(fullname)) is not None:
+                imported(fullname)
                 program.lent.add(fullname)  # until the baton is given back
                 return ModuleSpec(fullname, _Given(module), is_package=hasattr(module, "__path__"))
         if not dot:

@@ -139,7 +139,8 @@ class Nodes:
 
     def _look_again(self) -> None:
         """Let the programs look at what there is on the graph."""
-        self._twin.alarm.hasten(self._turns.after * 1e-9)
+        if self._is_open:
+            self._twin.alarm.hasten(self._turns.after * 1e-9)
 
     def _start_due(self) -> None:
         for start in [item for item in self._waiting if item.time <= self._turns.limit]:
@@ -210,9 +211,7 @@ class Nodes:
 
     def ended(self, program: Program) -> None:
         """Take note of a program that has ended."""
-        for item in program.belongings:
-            if hasattr(item, "put_goal"):
-                self.actions.withdraw(item)
+        self.actions.forget(program)
         self.graph.forget(program)
         if self._is_open and self.shutdown_reason is None:
             self._follow(program, self._starts.pop(program))

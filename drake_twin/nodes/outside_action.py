@@ -1,7 +1,6 @@
-"""An action of another program, as an action that a node asks."""
+"""An action of a node or of another program, as a node asks it."""
 
 from collections.abc import Callable
-from functools import partial
 from math import inf
 from typing import Any
 
@@ -11,7 +10,7 @@ from drake_twin.nodes.graph_items import Caller, GoalListener, Reception
 
 
 class OutsideAction:
-    """The three services of an action, and its feedback.
+    """The three services of an action, its feedback and its goals' statuses.
 
     Args:
         graph: What node programs share.
@@ -33,14 +32,16 @@ class OutsideAction:
         }
         self._callers = {key: Caller(f"{name}/_action/{key}", kind, node) for key, kind in services.items()}
         feedback = Reception(f"{name}/_action/feedback", f"{type}_FeedbackMessage", node, self._hear)
-        self.parts: tuple[Caller | Reception, ...] = (*self._callers.values(), feedback)
+        status = Reception(f"{name}/_action/status", "action_msgs/msg/GoalStatusArray", node, self._follow, True)
+        self.parts: tuple[Caller | Reception, ...] = (*self._callers.values(), feedback, status)
         graph.subscribe(feedback)
+        graph.subscribe(status)
         for caller in self._callers.values():
             graph.outside.add(caller)
 
     @property
     def is_there(self) -> bool:
-        """Whether another program offers it, or a node does by services of its own."""
+        """Whether a node or another program offers it."""
         return all(self._graph.has_service(item.name, item.type) for item in self._callers.values())
 
     def close(self) -> None:
@@ -48,29 +49,30 @@ class OutsideAction:
         for part in self.parts:
             self._graph.withdraw(part)
 
-    def has_goal(self, key: bytes) -> bool:
-        """Return whether a goal was accepted, and has not ended."""
-        return key in self._listeners
-
     def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
-        """Send a goal, and ask for its result once it is accepted."""
+        """Send a goal."""
+        self._listeners[key] = listener
         request = {"goal_id": {"uuid": list(key)}, "goal": goal}
-        self._ask("send_goal", request, partial(self._accepted, key, listener))
+        self._ask("send_goal", request, lambda answer: listener.answered(bool(answer.accepted), answer.stamp))
 
-    def put_cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+    def put_cancel(self, key: bytes, answered: Callable[[Any], None]) -> None:
         """Ask to cancel a goal."""
-        request = {"goal_info": {"goal_id": {"uuid": list(key)}}}
-        self._ask("cancel_goal", request, lambda response: answered(int(response.return_code)))
+        self._ask("cancel_goal", {"goal_info": {"goal_id": {"uuid": list(key)}}}, answered)
 
-    def _accepted(self, key: bytes, listener: GoalListener, response: Any) -> None:
-        listener.answered(bool(response.accepted))
-        if response.accepted:
-            self._listeners[key] = listener
-            self._ask("get_result", {"goal_id": {"uuid": list(key)}}, partial(self._ended, key, listener))
+    def put_result(self, key: bytes, answered: Callable[[Any], None]) -> None:
+        """Ask for a goal's result; its feedback is not heard any more once that has come."""
 
-    def _ended(self, key: bytes, listener: GoalListener, response: Any) -> None:
-        self._listeners.pop(key, None)
-        listener.ended(int(response.status), response.result)
+        def ended(response: Any) -> None:
+            self._listeners.pop(key, None)
+            answered(response)
+
+        self._ask("get_result", {"goal_id": {"uuid": list(key)}}, ended)
+
+    def _follow(self, message: Any, expires: float = inf) -> None:
+        for item in message.status_list:
+            listener = self._listeners.get(bytes(item.goal_info.goal_id.uuid))
+            if listener is not None:
+                listener.moved(int(item.status))
 
     def _hear(self, message: Any, expires: float = inf) -> None:
         listener = self._listeners.get(bytes(message.goal_id.uuid))

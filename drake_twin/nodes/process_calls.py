@@ -1,10 +1,12 @@
 """What of the process each node program has for itself: signals, its exit, what it does then, its folder, its forks."""
 
 import atexit
+import functools
 import os
 import signal
 import threading
 from collections.abc import Callable
+from types import MethodType
 from typing import Any
 
 from drake_twin.nodes import child_processes
@@ -16,16 +18,22 @@ _HARMLESS = frozenset((signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIG
 def seen_by_nodes(real: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that is the real one for other threads, and another one for those of node programs.
 
+    As an attribute of a class it becomes a method only where the real one does: ``now = time.time`` does not.
+
     Args:
         real: The real one.
         own: Takes the thread's task and the real one before the arguments.
     """
 
-    def call(*arguments: Any, **options: Any) -> Any:
+    @functools.wraps(real)
+    def call(real: Callable[..., Any], /, *arguments: Any, **options: Any) -> Any:
         task = here()
         return real(*arguments, **options) if task is None else own(task, real, *arguments, **options)
 
-    return call
+    unbound = MethodType(call, real)
+    if not hasattr(type(real), "__get__"):
+        return unbound
+    return functools.wraps(real)(lambda *arguments, **options: unbound(*arguments, **options))
 
 
 def _set_signal(task: Task, real: Callable[..., Any], number: int, handler: Any) -> Any:

@@ -13,7 +13,8 @@ from typing import Any, Protocol
 
 from drake_twin.description.python_programs import PythonProgram
 from drake_twin.nodes.child_processes import ChildProcesses
-from drake_twin.nodes.stand_ins import ROOTS
+from drake_twin.nodes.missing_modules import remedy
+from drake_twin.nodes.stand_ins import ROOTS, forget_members
 from drake_twin.nodes.task import Abandoned, Task, here
 from drake_twin.nodes.turns import Turns
 
@@ -137,7 +138,7 @@ class Program:
         except BaseException as error:
             self.exit_code = 1
             reason = " ".join(str(error).split())
-            why = f"{type(error).__name__}: {reason}{self._at(error)}"
+            why = f"{type(error).__name__}: {reason}{remedy(error, self.file)}{self._at(error)}"
             self._teller.failed(self, why, error.with_traceback(self._own_traceback(error)))
         if process != os.getpid():  # it has forked, and this is the child
             sys.stdout.flush()
@@ -300,6 +301,7 @@ class Program:
         if self.lent:
             for name in self.lent:
                 modules.pop(name, None)
+            forget_members(self.lent)
             self.lent.clear()
         if self._hidden:
             modules.update(self._hidden)

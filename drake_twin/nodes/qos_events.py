@@ -4,7 +4,7 @@ A subscription hears a publisher if it requests no more than is offered; deadlin
 simulation time, which begin with the first message.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from drake_twin.nodes.graph_items import Publication, Reception
@@ -27,7 +27,7 @@ class QosEvents:
 
         self._now, self._post = now, post
         self._mismatch, self._profile_of = qos_compatibility.mismatch, qos_compatibility.profile_of
-        self._is_manual = qos_compatibility.is_manual
+        self._is_manual, self._seen = qos_compatibility.is_manual, qos_compatibility.as_seen
         self._told_as = qos_compatibility.rmw_qos_policy_kind_t
 
     def pair(self, publication: Publication, reception: Reception) -> None:
@@ -46,6 +46,33 @@ class QosEvents:
         self.counted(reception, 1)
         if not publication.is_lost:
             _tell(reception, "liveliness", alive_count=1)
+
+    def offered(self, publications: Sequence[Publication]) -> dict[str, Any]:
+        """Return the quality of service of a topic that nodes publish, as an `Endpoint` has it: the best of theirs."""
+        return self._common(publications, min, any)
+
+    def requested(self, receptions: Sequence[Reception]) -> dict[str, Any]:
+        """Return that of a topic that nodes subscribe to: what suits all of them."""
+        return self._common(receptions, max, all)
+
+    def _common(self, items: Sequence[Item], best: Callable[..., int], which: Callable[..., bool]) -> dict[str, Any]:
+        is_publisher = best is min
+        given = [item.profile for item in items if item.profile is not None]
+        profiles = [self._seen(each, is_publisher=is_publisher) for each in given]
+        if not profiles:
+            return {}
+        spans = {
+            "lifespan": max(each.lifespan.nanoseconds for each in profiles),
+            "deadline": best(each.deadline.nanoseconds for each in profiles),
+            "lease": best(each.liveliness_lease_duration.nanoseconds for each in profiles),
+        }
+        depths = [each.depth for each in profiles]
+        return {
+            "depth": max(depths),
+            "keeps_all": 0 in depths,
+            "is_manual": which(map(self._is_manual, profiles)),
+            **{name: span / 1e9 for name, span in spans.items() if span < _ENDLESS},
+        }
 
     def commands(self, publication: Publication, endpoint: Endpoint) -> bool:
         """Return whether a topic of the twin hears a publisher."""

@@ -256,6 +256,9 @@ def _selector_select(task: Task, real: Callable[..., Any], selector: Any, timeou
 # Dates ---------------------------------------------------------------------------------------------------------------
 
 
+_IMPORTERS = ("importlib._bootstrap", "importlib._bootstrap_external")  # whose frames call a compiled module's code
+
+
 class _OfReal(type):
     def __instancecheck__(cls, value: object) -> bool:
         return isinstance(value, real_datetime.datetime)
@@ -267,21 +270,41 @@ class _OfReal(type):
 class _DateTime(real_datetime.datetime, metaclass=_OfReal):
     """A date and time whose present is the simulation's."""
 
+    __slots__ = ()
+
     @classmethod
     def now(cls, tz: Any = None) -> Any:
-        return real_datetime.datetime.fromtimestamp(time.time(), tz)
+        return cls.fromtimestamp(time.time(), tz)
 
     @classmethod
     def utcnow(cls) -> Any:
-        return real_datetime.datetime.fromtimestamp(time.time(), real_datetime.UTC).replace(tzinfo=None)
+        return cls.fromtimestamp(time.time(), real_datetime.UTC).replace(tzinfo=None)
 
     @classmethod
     def today(cls) -> Any:
         return cls.now()
 
+    def __repr__(self) -> str:
+        return f"datetime.{super().__repr__()}" if type(self) is _DateTime else super().__repr__()
+
+
+_DateTime.__name__ = _DateTime.__qualname__ = _DateTime.__module__ = "datetime"  # as programs and pickles name it
+
 
 def _datetime_module() -> ModuleType:
     module = ModuleType("datetime", real_datetime.__doc__)
     module.__dict__.update(vars(real_datetime))
-    module.__dict__["datetime"] = _DateTime
+    del module.__dict__["datetime"]
+    module.__dict__["__getattr__"] = _date_time_class
     return module
+
+
+def _date_time_class(name: str) -> type:
+    """Return the class ``datetime``: compiled modules that are being imported, such as those of pandas, need Python's.
+
+    They derive types from it and rely on its size in memory.
+    """
+    if name != "datetime":
+        raise AttributeError(f"module 'datetime' has no attribute {name!r}", name=name)
+    is_compiled = sys._getframe(1).f_globals.get("__name__") in _IMPORTERS
+    return real_datetime.datetime if is_compiled else _DateTime

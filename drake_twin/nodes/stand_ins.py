@@ -1,15 +1,38 @@
 """The modules of this package's tree that stand in for ROS's Python packages."""
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from drake_twin.nodes.task import here
+
 _FOLDER = Path(__file__).parent
 _OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
 _WITHOUT_A_LIST = ("rclpy._rclpy_pybind11", "rclpy.clock_type", "rclpy.impl", "rclpy.type_hash")
+_ALWAYS = frozenset(  # what ``import rclpy`` loads, so that it is a member of ``rclpy``
+    (
+        *("constants", "context", "destroyable", "exceptions", "guard_condition", "impl", "parameter", "signals"),
+        *("task", "utilities", "_rclpy_pybind11"),
+    )
+)
+# What ``import rclpy.node`` loads, so that ``rclpy.qos`` is there from then on, and what imports it (rclpy 7.1).
+_WITH_NODES = frozenset(
+    (
+        *("callback_groups", "client", "clock", "clock_type", "duration", "event_handler", "executors"),
+        *("expand_topic_name", "logging", "logging_service", "node", "parameter_service", "publisher", "qos"),
+        *("qos_overriding_options", "service", "service_introspection", "subscription", "time", "time_source"),
+        *("timer", "topic_endpoint_info", "type_description_service", "type_hash", "type_support"),
+        *("validate_full_topic_name", "validate_namespace", "validate_node_name", "validate_parameter_name"),
+        *("validate_topic_name", "waitable"),
+    )
+)
+_IMPORTING_NODES = frozenset(
+    ("node", "action", "lifecycle", "parameter_client", "parameter_event_handler", "wait_for_message")
+)
 ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
 _LAUNCH = frozenset(("launch", "launch_ros", "launch_xml", "launch_yaml", "moveit_configs_utils", "nav2_common"))
@@ -66,8 +89,16 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
 
     more = {key for key, value in vars(own).items() if "__all__" in vars(own) or isinstance(value, ModuleType)}
 
+    modules = {
+        key.split(".")[1] for key in (*exports(), *_WITHOUT_A_LIST) if name == "rclpy" and key.startswith("rclpy.")
+    }
+
     def attribute(wanted: str) -> Any:
         source = names.get(wanted)
+        if wanted in modules and source is None:
+            if wanted in _loaded():
+                return stand_in(f"rclpy.{wanted}")
+            raise AttributeError(f"module {name!r} has no attribute {wanted!r}")
         if source is not None and source != name:
             home = importlib.import_module(source if source in ("typing", "threading") else f"{__package__}.{source}")
             value = getattr(home, wanted)
@@ -83,6 +114,28 @@ def _view(name: str, own: ModuleType, names: Mapping[str, str]) -> ModuleType:
     listed = sorted(item for item in names if not item.startswith("_"))
     vars(view).update(__all__=listed, __getattr__=attribute, __dir__=lambda: [*vars(view), *listed])
     return view
+
+
+def imported(name: str) -> None:
+    """Keep in mind that the present program has imported a module of ``rclpy``."""
+    task = here()
+    if task is not None and name.startswith("rclpy."):
+        task.program.rclpy.setdefault("modules", set()).add(name.split(".")[1])
+
+
+def _loaded() -> AbstractSet[str]:
+    """Return the modules of ``rclpy`` that the present program's imports load."""
+    task = here()
+    own: set[str] = set() if task is None else task.program.rclpy.get("modules", set())
+    return _ALWAYS | own | (frozenset() if _IMPORTING_NODES.isdisjoint(own) else _WITH_NODES)
+
+
+def forget_members(names: Iterable[str]) -> None:
+    """Undo that Python's import has made modules members of ``rclpy``, which all programs have in common."""
+    for name in names:
+        root, _, child = name.partition(".")
+        if root == "rclpy" and child:
+            vars(stand_in(root)).pop(child, None)
 
 
 def _module_of_launch_files(name: str) -> ModuleType:

@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import sys
 import threading
 import time as wall_clock
 from collections.abc import Callable, Iterator
@@ -57,7 +58,7 @@ class Task:
         is_outside: Whether it runs without the baton, as it waits for something outside.
         has_ended: Whether it has ended.
         is_daemon: Whether it ends when all others of its program have ended.
-        has_blocked: Whether it has waited for something outside with the baton.
+        blocked_at: Where it has waited for something outside with the baton, see `place`; None before.
         is_watching: Whether it waits for something that can come while the twin is paused.
     """
 
@@ -67,7 +68,8 @@ class Task:
         self.is_outside = False
         self.has_ended = False
         self.is_daemon = False
-        self.has_blocked = self.is_watching = False
+        self.blocked_at: tuple[int, int] | None = None
+        self.is_watching = False
         self._turns = turns
         self._go = _new_lock()
         self._go.acquire()
@@ -254,6 +256,12 @@ class Task:
                 return file.read().rpartition(")")[2].split()[0] == "S"
         except (OSError, IndexError):
             return True
+
+    def place(self) -> tuple[int, int]:
+        """Return the Python call and the instruction in it at which the thread is."""
+        assert self.thread is not None
+        frame = sys._current_frames().get(self.thread.ident or 0)
+        return (0, 0) if frame is None else (id(frame), frame.f_lasti)
 
     def _raise_end(self) -> None:
         """Raise what it has to end with; a program's own handler of Ctrl-C has some waits of time to end otherwise."""

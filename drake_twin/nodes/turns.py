@@ -17,9 +17,10 @@ from drake_twin.nodes.task import Abandoned, Task, here
 
 _MOST_ROUNDS = 1000  # rounds of turns at one simulation time, after which the threads wait for the next step
 _LOOK = 0.05  # s of wall time between two looks at a thread that has the baton
-_BLOCKED = 20  # such looks at which it sleeps and has not worked, until it is taken to wait for something outside
-_BLOCKED_AGAIN = 2  # such looks at a thread that has waited for something outside before
-_WORK = 1e-3  # s of the processor's time between two looks, below which a thread does not work
+_BLOCKED = 1.0  # s of wall time that it sleeps and does not work, until it is taken to wait for something outside
+_BLOCKED_AGAIN = 0.1  # the same of a thread that has waited for something outside before
+_GLANCE = 2e-3  # s of wall time between two looks at such a thread: it may be back in the main loop of its window
+_WORK = 0.02  # the processor's time between two looks, of the wall time, below which a thread does not work
 _PATIENCE = 20.0  # s of the processor's time that a thread may work in one turn
 _TURNS_A_LOOK = 16  # turns of a program, of which one is measured: how much memory it takes
 _FAREWELL = 0.7  # s of wall time that all threads have to end in
@@ -127,7 +128,7 @@ class Turns:
         program.enter()
         try:
             task.resume()
-            if not self._back.acquire(timeout=_LOOK):
+            if not self._back.acquire(timeout=_look(task)):
                 self._watch(task)
             elif before:
                 program.memory += (resident() - before) * _TURNS_A_LOOK
@@ -191,15 +192,16 @@ class Turns:
 
     def _watch(self, task: Task) -> None:
         """Wait for a thread that works for long, or let it out if it waits for something outside, or end it."""
-        start = wall_clock.perf_counter() - _LOOK
+        look = _look(task)
+        start = now = awake = wall_clock.perf_counter() - look
         first = used = task.cpu_time()
         before = resident() - task.program.memory
-        asleep = 0
-        while not self._back.acquire(timeout=_LOOK):
-            now = wall_clock.perf_counter()
+        while (waits_again := _waits_again(task)) or not self._back.acquire(timeout=look):
+            last, now = now, wall_clock.perf_counter()
             before, used = used, task.cpu_time()
-            asleep = asleep + 1 if used - before < _WORK and task.is_asleep() else 0
-            blocked = asleep >= (_BLOCKED_AGAIN if task.has_blocked else _BLOCKED)
+            if used - before >= _WORK * (now - last) or not task.is_asleep():
+                awake = now
+            blocked = waits_again or now - awake >= (_BLOCKED if task.blocked_at is None else _BLOCKED_AGAIN)
             worked = min(now - start, used - first)  # on a busy machine it takes longer
             task.program.memory = resident() - before
             is_too_large = task.program.memory > self._memory
@@ -215,10 +217,20 @@ class Turns:
                 what = f"it has computed for {now - start:.0f} s without a spin or a sleep, and is ended"
                 self._watcher.exceeded(task, self._too_much_memory if is_too_large else what)
             else:
-                task.has_blocked = True
+                task.blocked_at = task.place()
                 self.outsider()
                 self._watcher.blocked(task)
             return
+
+
+def _look(task: Task) -> float:
+    """Return the wall time (s) between two looks at a thread that has the baton."""
+    return _LOOK if task.blocked_at is None else _GLANCE
+
+
+def _waits_again(task: Task) -> bool:
+    """Return whether a thread waits where it has waited for something outside before, as in the loop of a window."""
+    return task.blocked_at is not None and task.is_asleep() and task.place() == task.blocked_at
 
 
 def _is_logging(task: Task) -> bool:

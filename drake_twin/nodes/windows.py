@@ -46,7 +46,7 @@ def replace_windows(cv2: ModuleType) -> None:
         real = getattr(cv2, name, None)
         if real is not None and not hasattr(real, "__wrapped__"):
             own = _wait_key if name in _KEYS else _trackbar if name in _TRACKBARS else _window
-            setattr(cv2, name, functools.wraps(real)(seen_by_nodes(real, functools.partial(own, name))))
+            setattr(cv2, name, seen_by_nodes(real, functools.partial(own, name)))
 
 
 class _Loader(importlib.abc.Loader):

@@ -31,8 +31,9 @@ _TEXTS = {
     "--params-file": "params file",
     "--log-level": "log level",
 }
+_PART = r"(?:(?:[A-Za-z]|_(?!_))\w*|/)+"  # of a parameter's name, between dots
 _RULES = {
-    "-p": re.compile(rf"(?:{_NAME}:)?(?:\*\*?|{_NAME})(?:[./-](?:\*\*?|\w+))*:=.+", re.ASCII | re.DOTALL),
+    "-p": re.compile(rf"(?:{_NAME}:)?{_PART}(?:\.{_PART})*:=.+", re.ASCII | re.DOTALL),
     "-r": re.compile(
         rf"(?:{_NAME}:)?(?:__(?:node|name):={_NAME}|__ns:=/(?:{_NAME}(?:/{_NAME})*)?"
         rf"|(?!__)(?:(?:rostopic|rosservice)://)?[\w~/{{}}*\\]+:=[\w~/{{}}*\\]+)",

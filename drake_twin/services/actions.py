@@ -45,7 +45,7 @@ class ActionServer:
         node: The full name of its node.
         start: Starts a goal; raises a `TwinError` if it is rejected.
         time: Returns the simulation time (s).
-        proceed: Continues a running goal, each time that `news` is asked for.
+        proceed: Continues a running goal, between two advances.
 
     Attributes:
         feedback_topic: The topic of the feedback.
@@ -68,7 +68,7 @@ class ActionServer:
         )
         self._type, self._start, self._time, self._proceed = type, start, time, proceed
         self._goals: dict[bytes, KnownGoal] = {}
-        self._last_statuses: list[Fields] = []
+        self._told: dict[bytes, int] = {}
         self._next_feedback = 0.0
 
     def services(self) -> Iterator[Service]:
@@ -80,19 +80,20 @@ class ActionServer:
         ):
             yield Service(f"{self.name}/_action/{name}", kind, self.node, answer)
 
+    def proceed(self) -> None:
+        """Continue the running goals, between two advances."""
+        for known in self._goals.values():
+            self._proceed(known.goal)
+
     def news(self) -> Iterator[tuple[str, Fields]]:
         """Yield the messages that are due: the statuses when they have changed, and feedback at 20 Hz."""
         if not self._goals:
             return
-        for known in self._goals.values():
-            self._proceed(known.goal)
-        statuses: list[Fields] = [
-            {"goal_info": _info(key, known), "status": STATUSES[known.goal.status]}
-            for key, known in self._goals.items()
-        ]
-        if statuses != self._last_statuses:
-            self._last_statuses = statuses
-            yield self.status_topic.name, {"status_list": statuses}
+        statuses = {key: STATUSES[known.goal.status] for key, known in self._goals.items()}
+        if statuses != self._told:
+            self._told = statuses
+            told = [{"goal_info": _info(key, self._goals[key]), "status": status} for key, status in statuses.items()]
+            yield self.status_topic.name, {"status_list": told}
         now = self._time()
         if not self._next_feedback - _FEEDBACK_PERIOD <= now < self._next_feedback:  # it is earlier after a reset
             self._next_feedback = now + _FEEDBACK_PERIOD

@@ -22,6 +22,8 @@ class Assets:
 
     def __init__(self, twin: Twin):
         self._twin = twin
+        self._look()
+        twin.inbox.looks.append(self._look)
         self._packages = PackageIndex(twin.scenario.package_paths)
 
     def __call__(self, address: str) -> bytes | None:
@@ -33,8 +35,12 @@ class Assets:
         """
         return next((found for place in (address, unquote(address)) if (found := self._read(place)) is not None), None)
 
+    def _look(self) -> None:
+        """Note which robots there are, in the twin's thread."""
+        self._plans = self._twin.built.plans
+
     def _read(self, address: str) -> bytes | None:
-        for plan in self._twin.built.plans:
+        for plan in self._plans:
             own = plan.description.file
             names = {*_PACKAGE.findall(plan.description.text)}
             if own is not None and (package := containing_package(own.resolve())) is not None:

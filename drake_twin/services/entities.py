@@ -10,12 +10,12 @@ from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.robot_model import as_expanded
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot
-from drake_twin.scenario.names import problem_of_name
+from drake_twin.scenario.names import name_in_twin, problem_of_name
 from drake_twin.services.registry import Fields
 from drake_twin.twin.twin import Twin
 
 MOST_TEXT = 1 << 20  # characters of a description
-WORLD_NAMES = ("", "world", "map")
+WORLD_NAMES = ("", "world", "map", "/map")
 
 
 class PoseError(InputError):
@@ -38,7 +38,7 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
 
     Args:
         twin: The twin.
-        name: The robot's name.
+        name: The robot's name; empty for a free one that begins with the name that the description gives.
         uri: The address of its file; or
         text: its URDF or SDF, which xacro does not expand: a message must not run code.
         namespace: The namespace of its topics; its name by default.
@@ -55,6 +55,8 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
         raise InputError("neither a file nor a description is given")
     if len(text) > MOST_TEXT:
         raise InputError(f"the description has more than {MOST_TEXT} characters")
+    if not name and (own := re.search(r"""<(?:robot|model)\b[^>]*\sname\s*=\s*["']([^"']+)""", text)):
+        name = free_name(twin, name_in_twin(own[1]))
     if (what := problem_of_name(name)) is not None:  # before a file has the name
         raise InputError(what)
     if frame not in WORLD_NAMES:

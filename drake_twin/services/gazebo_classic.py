@@ -18,6 +18,8 @@ def _spawn_entity(twin: Twin, request: Any) -> Fields:
     name, source = request.name, {"text": request.xml, "namespace": request.robot_namespace}
     frame, pose = request.reference_frame, request.initial_pose
     spawned = f"SpawnEntity: Successfully spawned entity [{name}]"
+    if not name:  # as in gazebo_ros_factory.cpp, which does not know the name that Gazebo chooses
+        spawned = "Successfully sent factory message to Gazebo."
     return _status(lambda: entities.spawn(twin, name, **source, pose=pose, frame=frame), spawned)
 
 

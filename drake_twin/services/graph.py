@@ -4,8 +4,9 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.messages.text import field_names
+from drake_twin.planning.controller_plan import UNCONFIGURED
 from drake_twin.services.actions import ActionServer, action_servers
-from drake_twin.services.node_actions import NodeActionServer
 from drake_twin.services.offered import services_of
 from drake_twin.services.registry import Fields, Later, Service
 from drake_twin.twin.endpoints import Endpoint
@@ -14,7 +15,6 @@ from drake_twin.wires.seam import Seam
 from drake_twin.wires.wire import Wire
 
 if TYPE_CHECKING:
-    from drake_twin.nodes.action_graph import ActionGraph
     from drake_twin.nodes.graph import Graph
     from drake_twin.nodes.graph_items import Caller
     from drake_twin.nodes.nodes import Nodes
@@ -31,7 +31,7 @@ def connect(twin: Twin, wires: Sequence[Wire], nodes: "Nodes | None" = None) -> 
     Returns:
         The connection; close it to end the wires.
     """
-    services = GraphServices() if nodes is None else GraphServices(nodes.graph, nodes.actions)
+    services = GraphServices(None if nodes is None else nodes.graph)
     seam = Seam(twin, wires, services.services, services)
     if nodes is not None:
         nodes.graph.outside.source = seam
@@ -44,38 +44,38 @@ class GraphServices:
 
     Args:
         graph: What its node programs share.
-        node_actions: Their actions.
     """
 
-    def __init__(self, graph: "Graph | None" = None, node_actions: "ActionGraph | None" = None) -> None:
-        self._graph, self._node_actions = graph, node_actions
+    def __init__(self, graph: "Graph | None" = None) -> None:
+        self._graph = graph
         self._actions: dict[str, ActionServer] = {}
 
     def loaded(self, twin: Twin) -> tuple[Any, ...]:
-        """Return the loaded controllers of each robot, which are nodes, and the state of the node programs."""
-        controllers = tuple(tuple(twin.control.manager(robot).states) for robot in twin.robots)
+        """Return which controllers are loaded and configured, and the state of the node programs."""
+        controllers = tuple(
+            (robot, name, state == UNCONFIGURED)
+            for robot in twin.robots
+            for name, state in twin.control.manager(robot).states.items()
+        )
         return *controllers, None if self._graph is None else self._graph.version
+
+    def absent(self, twin: Twin) -> set[str]:
+        """Return the nodes of controllers that are not configured: they have no topics and no actions, as in ROS."""
+        waiting, configured = set[str](), set[str]()
+        for plan in twin.built.plans:
+            states = twin.control.manager(plan.name).states
+            for item in plan.controllers:
+                is_waiting = states.get(item.name, UNCONFIGURED) == UNCONFIGURED
+                (waiting if is_waiting else configured).add(f"{plan.robot.topic_namespace}/{item.name}")
+        return waiting - configured  # two robots may have one node
 
     def services(self, twin: Twin) -> tuple[Service, ...]:
         """Return the services with the present robots, those of actions among them."""
-        present = {server.name: server for server in action_servers(twin)}
-        self._actions = {
-            **{server.name: server for server in self._of_node_actions(twin)},
-            **{name: self._actions.get(name, server) for name, server in present.items()},
-        }
+        absent = self.absent(twin)
+        present = {server.name: server for server in action_servers(twin) if server.node not in absent}
+        self._actions = {name: self._actions.get(name, server) for name, server in present.items()}
         of_actions = (service for server in self._actions.values() for service in server.services())
         return (*services_of(twin), *of_actions, *self._of_nodes())
-
-    def _of_node_actions(self, twin: Twin) -> Iterator[ActionServer]:
-        """Yield the actions of node programs; one that is still there keeps its goals."""
-        if self._node_actions is None:
-            return
-        for name, offer in self._node_actions.offers.items():
-            known = self._actions.get(name)
-            if isinstance(known, NodeActionServer) and known.offer is offer:
-                yield known
-            else:
-                yield NodeActionServer(offer, self._node_actions, lambda: twin.time)
 
     def _of_nodes(self) -> Iterator[Service]:
         if self._graph is None:
@@ -91,7 +91,7 @@ class GraphServices:
         while not responses:
             yield
         response = responses[0]
-        return {key: getattr(response, key) for key in response.__dataclass_fields__ if key != "__msgtype__"}
+        return {name: getattr(response, name) for name in field_names(response)}
 
     def hear(self, topic: str, message: Any) -> None:
         """Pass on to node programs what another program has published."""
@@ -119,6 +119,11 @@ class GraphServices:
         servers = self._actions.values()
         own = (topic for server in servers for topic in (server.feedback_topic, server.status_topic))
         return (*own, *(() if self._graph is None else self._graph.endpoints()))
+
+    def proceed(self) -> None:
+        """Continue the actions' running goals, between two advances."""
+        for server in self._actions.values():
+            server.proceed()
 
     def news(self) -> Iterator[tuple[str, Fields]]:
         """Yield the messages of actions that are due: their topics and their fields."""

@@ -7,7 +7,7 @@ from itertools import count
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import Box, FrameId, Rgba, Role, SceneGraph, Shape
+from pydrake.geometry import FrameId, HalfSpace, Rgba, Role, SceneGraph, Shape
 from pydrake.math import RigidTransform
 
 from drake_twin.twin.twin import Twin
@@ -16,8 +16,6 @@ WORLD = "world"  # the folder of fixed geometry
 
 _DEFAULT_COLOR = Rgba(0.9, 0.9, 0.9, 1.0)
 _GROUND_COLOR = Rgba(0.74, 0.77, 0.74, 1.0)
-_GROUND_SIDE = 20.0  # m, at least
-_GROUND_THICKNESS = 0.01  # m
 _BELOW_THE_GRID = 0.004  # m: viewers draw a grid at z = 0
 
 
@@ -74,7 +72,7 @@ class SharedScene:
             )
         if twin.scenario.world.has_own_ground:
             path = _unused(f"{WORLD}/ground", geometries)
-            geometries[path] = _ground(path, *place_of_robots(twin))
+            geometries[path] = _ground(path, place_of_robots(twin)[0])
         plant = twin.plant
         self._indices = [int(plant.GetBodyFromFrameId(frame).index()) for frame in bodies]
         self.bodies = tuple(bodies.values())
@@ -124,10 +122,8 @@ def place_of_robots(twin: Twin) -> tuple[np.ndarray, float]:
     return center, float(np.max(np.linalg.norm(positions - center, axis=1))) + 1.0
 
 
-def _ground(path: str, center: np.ndarray, reach: float) -> DrawnGeometry:
+def _ground(path: str, center: np.ndarray) -> DrawnGeometry:
     """Return a ground for a world whose own has no illustration geometry."""
-    side = max(_GROUND_SIDE, 4.0 * reach)
-    height = -_GROUND_THICKNESS / 2 - _BELOW_THE_GRID
     color = (_GROUND_COLOR.r(), _GROUND_COLOR.g(), _GROUND_COLOR.b(), _GROUND_COLOR.a())
-    pose = RigidTransform([*np.round(center[:2]), height])
-    return DrawnGeometry(path, Box(side, side, _GROUND_THICKNESS), color, pose.GetAsMatrix4())
+    pose = RigidTransform([*np.round(center[:2]), -_BELOW_THE_GRID])
+    return DrawnGeometry(path, HalfSpace(), color, pose.GetAsMatrix4())

@@ -56,7 +56,8 @@ def three_js_object(geometry: DrawnGeometry) -> dict[str, Any]:
         parts = read_mesh(Path(source.path()), np.asarray(shape.scale3()).tolist())
         children = [writer.triangles(part, geometry.color, np.eye(4)) for part in parts]
     else:
-        children = [writer.mesh(*item, writer.material(geometry.color)) for item in _primitives(shape)]
+        more = {"userData": {"isGround": True}} if isinstance(shape, HalfSpace) else {}
+        children = [writer.mesh(*item, writer.material(geometry.color)) | more for item in _primitives(shape)]
     return writer.document(children, geometry.X_BG)
 
 

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drake_twin.errors import InputError, RunError
+from drake_twin.errors import InputError
 from drake_twin.requirements import missing
 from drake_twin.sweeps.episode import COLUMNS, ERROR, Row
 from drake_twin.values import is_number
+from drake_twin.whole_file import write_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -89,7 +90,7 @@ def draw(file: Path, definition: Mapping[str, Any], rows: Sequence[Row]) -> None
             _draw_one(axis, pairs.reshape(-1, 2))
             axis.set_xlabel(path)
             axis.set_ylabel(metric)
-    _save(figure, file)
+    write_figure("figure", file, figure)
 
 
 def draw_pairs(file: Path, definition: Mapping[str, Any], rows: Sequence[Row]) -> None:
@@ -111,7 +112,7 @@ def draw_pairs(file: Path, definition: Mapping[str, Any], rows: Sequence[Row]) -
             axis.set_xlabel(across)
             axis.set_ylabel(up)
         figure.colorbar(points, ax=list(line), label=metric)
-    _save(figure, file)
+    write_figure("figure", file, figure)
 
 
 def _drawn(
@@ -132,13 +133,6 @@ def _drawn(
         what = "no varied number" if least == 1 else "less than two varied numbers"
         raise InputError(f"{option}: the table has no metric, or {what}, to draw")
     return Figure, metrics, paths
-
-
-def _save(figure: "Figure", file: Path) -> None:
-    try:
-        figure.savefig(file)
-    except (OSError, ValueError) as error:
-        raise RunError(f"the figure {file} cannot be written ({error})") from None
 
 
 def _draw_one(axis: Any, pairs: np.ndarray) -> None:

@@ -5,6 +5,7 @@ kill or a full disk is dropped when the sweep continues, so that each episode st
 whole at the end, in the order of the episodes, and the journal is removed then.
 """
 
+import contextlib
 import csv
 import fcntl
 import io
@@ -106,8 +107,9 @@ class Results:
         try:
             write_table(self._file, self._sweep.definition, self.rows.values())
         except OSError as error:
-            raise RunError(f"{self._file} cannot be written ({error.strerror}): the rows are in its journal") from None
-        self._journal_file.unlink()
+            kept = "the rows are in its journal" if self._is_there() else "its journal is gone, too: the rows are lost"
+            raise RunError(f"{self._file} cannot be written ({error.strerror}): {kept}") from None
+        self._journal_file.unlink(missing_ok=True)
         os.close(self._journal)
 
     def discard_empty(self) -> None:
@@ -121,13 +123,20 @@ class Results:
             while True:
                 journal = os.open(self._journal_file, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
                 fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                if self._journal_file.exists() and os.path.samestat(os.fstat(journal), self._journal_file.stat()):
+                if self._is_there(journal):
                     return journal
                 os.close(journal)  # another sweep has ended meanwhile, and removed it
         except BlockingIOError:
             raise InputError("another sweep writes this file", file=self._file) from None
         except OSError as error:
             raise InputError(f"the journal cannot be written ({error.strerror})", file=self._journal_file) from None
+
+    def _is_there(self, journal: int | None = None) -> bool:
+        """Tell whether the open journal is the file of its name."""
+        try:
+            return os.path.samestat(os.fstat(self._journal if journal is None else journal), self._journal_file.stat())
+        except OSError:
+            return False
 
     def _drop_new_journal(self) -> None:
         """Remove the journal if nothing is in it yet."""
@@ -171,12 +180,16 @@ class Results:
             if os.write(self._journal, line) < len(line):
                 raise OSError(ENOSPC, os.strerror(ENOSPC))
         except OSError as error:
-            os.truncate(self._journal, end)
+            with contextlib.suppress(OSError):  # without it, a line is half: it is dropped when the sweep continues
+                os.truncate(self._journal, end)
             what = f"{self._journal_file} cannot be written ({error.strerror}): its {len(self.rows)} rows are safe"
             raise RunError(what) from None
 
     def _sync(self) -> None:
-        os.fsync(self._journal)
+        try:
+            os.fsync(self._journal)
+        except OSError as error:
+            raise RunError(f"{self._journal_file} cannot be written ({error.strerror}): rows may be lost") from None
         self._synced = time.monotonic()
 
 

@@ -24,6 +24,7 @@ from drake_twin.twin.schedule import ScheduledCommand, step_at
 _log = logging.getLogger(__name__)
 
 _ROUNDING = 1e-9  # s
+_MOST_PENDING = 1000  # values, before older ones of the same topics are dropped
 _published = attrgetter("published")
 
 
@@ -85,9 +86,22 @@ class Commands:
         """Return the value published last on a topic, pending or valid; None without one."""
         return next((value for name, value in reversed(self.queue) if name == topic), self.values.get(topic))
 
+    def pend(self, topic: str, value: Any) -> None:
+        """Let a value be applied at the next step.
+
+        Where many are pending, the newest of each topic stays: a topic's port has one value, as the buffer of a
+        controller of ros2_control has.
+        """
+        self.queue.append((topic, value))
+        if len(self.queue) > _MOST_PENDING + 2 * len(self._ports):
+            self.queue = [*{entry[0]: entry for entry in reversed(self.queue)}.values()][::-1]
+
     def hold(self, topic: str, message: Any, time: float) -> None:
-        """Let a message arrive at a later time (s)."""
-        self.delayed = [*self.delayed, (time, topic, message)]
+        """Let a message arrive at a later time (s); of many with the same one, the newest of each topic."""
+        delayed = [*self.delayed, (time, topic, message)]
+        if len(delayed) > _MOST_PENDING + 2 * len(self._ports):
+            delayed = [*{entry[:2]: entry for entry in reversed(delayed)}.values()][::-1]
+        self.delayed = delayed
 
     def put_pending(self, time: float, action: CommandTopic | None = None) -> None:
         """Apply the pending commands to their input ports.

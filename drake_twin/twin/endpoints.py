@@ -27,6 +27,10 @@ class Endpoint:
         is_best_effort: Whether messages may be lost.
         depth: How many messages are kept for who is slow or late; 0 for what suits the topic.
         lifespan: How long messages are kept (s); None for always.
+        keeps_all: Whether all messages are kept, whatever the depth.
+        deadline: The longest time between messages that is offered, or requested (s); None for any.
+        is_manual: Whether the publisher says itself that it is alive.
+        lease: The time in which it has to (s); None for any.
         of_all_nodes: Whether each node publishes it.
     """
 
@@ -41,6 +45,10 @@ class Endpoint:
     is_best_effort: bool = False
     depth: int = 0
     lifespan: float | None = None
+    keeps_all: bool = False
+    deadline: float | None = None
+    is_manual: bool = False
+    lease: float | None = None
     of_all_nodes: bool = False
 
 

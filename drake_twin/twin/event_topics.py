@@ -81,11 +81,14 @@ class EventTopic(Owned, path="twin.graph.events[…]"):
             subscriber.waiting.append(draft)
             self._note()
 
-    def subscribe(self, callback: Callable[[Any], None], *, drafts: bool = False) -> Callable[[], None]:
-        """Call back with the messages, first with those that are kept; return a function that ends it."""
+    def subscribe(
+        self, callback: Callable[[Any], None], *, drafts: bool = False, kept: bool = True
+    ) -> Callable[[], None]:
+        """Call back with the messages, first with those that are kept if wanted; return a function that ends it."""
         subscriber = _Subscriber(callback, self.endpoint.depth, takes_drafts=drafts)
         now, longest = self.now(), self.endpoint.lifespan or float("inf")
-        subscriber.waiting.extend(draft for time, draft in tuple(self._kept) if 0 <= now - time <= longest)
+        if kept:
+            subscriber.waiting.extend(draft for time, draft in tuple(self._kept) if 0 <= now - time <= longest)
         if subscriber.waiting:
             self._note()
         self._subscribers.append(subscriber)

@@ -128,7 +128,7 @@ class Graph(Group, path="twin.graph"):
             if delay:
                 session.commands.hold(port, message(item.type, data), session.clock.time + delay)
             else:
-                session.commands.queue.append((port, value))
+                session.commands.pend(port, value)
             heard = True
         if refused is not None and not heard:
             raise refused
@@ -216,8 +216,10 @@ class Graph(Group, path="twin.graph"):
         session.commands.set(action, value, session.clock.time)
         return session.goals.add(action, item, value, control, on_result)
 
-    def subscribe(self, topic: Any, callback: Any, rate: Any, *, drafts: bool = False) -> Callable[[], None]:
-        """Call back with a topic's messages; see `Twin.subscribe`."""
+    def subscribe(
+        self, topic: Any, callback: Any, rate: Any, *, drafts: bool = False, kept: bool = True
+    ) -> Callable[[], None]:
+        """Call back with a topic's messages, of an event also with those that are kept; see `Twin.subscribe`."""
         if not callable(callback):
             raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
         if rate is not None and not is_number(rate, 1e-6):
@@ -225,7 +227,7 @@ class Graph(Group, path="twin.graph"):
         session = self._session
         if (event := self._event(topic)) is not None:
             if event.endpoint.rate is None:
-                return event.subscribe(callback, drafts=drafts)
+                return event.subscribe(callback, drafts=drafts, kept=kept)
             period = 1.0 / (rate or event.endpoint.rate)
             subscription = Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
             return self._owner.guard(_END, session.subscriptions.add(subscription))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 MOST = 1000  # requests that wait
+MOST_BYTES = 256 << 20  # of their messages
 PERIOD = 0.005  # s of simulation time between two looks; each millisecond would cost half as much as the physics
 
 
@@ -24,6 +25,7 @@ class _Request:
     topic: str | None
     must_stay: bool
     between_advances: bool
+    size: int
 
 
 class Inbox(Owned, path="twin.inbox"):
@@ -49,6 +51,7 @@ class Inbox(Owned, path="twin.inbox"):
         self._users = self._urgent_users = 0
         self.is_open = self.is_urgent = False
         self._waiting: deque[_Request] = deque()
+        self._bytes = 0
         self._lock = Lock()
         self._arrived = Event()
 
@@ -149,11 +152,12 @@ class Inbox(Owned, path="twin.inbox"):
         must_stay: bool = False,
         between_advances: bool = False,
         is_urgent: bool = True,
+        size: int = 0,
     ) -> bool:
         """Put a request into the inbox, from any thread.
 
-        With `MOST` requests waiting, the oldest one of the same topic is dropped, but never one that must stay, and
-        never the newest of a topic.
+        With `MOST` requests or messages of `MOST_BYTES` waiting, the oldest one of the same topic is dropped, but never
+        one that must stay, and never the newest of a topic.
 
         Args:
             act: Does it, in the simulation's thread; it must not raise.
@@ -161,16 +165,18 @@ class Inbox(Owned, path="twin.inbox"):
             must_stay: Whether a later command does not make up for it, as for a stop.
             between_advances: Whether it does what a callback cannot do, such as a spawn.
             is_urgent: Whether it ends a `wait`.
+            size: The bytes of a command's message.
 
         Returns:
             False if something was dropped: an older request, or, of no topic, this one.
         """
-        request = _Request(act, topic, must_stay, between_advances)
+        request = _Request(act, topic, must_stay, between_advances, size)
         with self._lock:
-            is_full = len(self._waiting) >= MOST
+            is_full = len(self._waiting) >= MOST or (size > 0 and self._bytes > MOST_BYTES)
             if is_full and topic is None:
                 return False
             self._waiting.append(request)
+            self._bytes += size
             if is_full and topic is not None:
                 self._drop_one(topic)
         if is_urgent:
@@ -199,6 +205,7 @@ class Inbox(Owned, path="twin.inbox"):
                 if not self._waiting or not may_be_done(self._waiting[0]):
                     return
                 request = self._waiting.popleft()
+                self._bytes -= request.size
             request.act()
 
     def _drop_one(self, topic: str) -> None:
@@ -215,4 +222,6 @@ class Inbox(Owned, path="twin.inbox"):
         droppable = of_topic or of_others
         if not droppable:  # all that wait must stay: the oldest of the topic says the same as a newer one
             droppable = [index for index, item in enumerate(self._waiting) if item.topic == topic][:1]
-        del self._waiting[min(droppable)]
+        dropped = min(droppable)
+        self._bytes -= self._waiting[dropped].size
+        del self._waiting[dropped]

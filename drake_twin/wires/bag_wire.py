@@ -1,5 +1,6 @@
 """A rosbag2 bag as a wire: every topic is heard, and nothing comes in."""
 
+import contextlib
 import itertools
 import json
 import logging
@@ -7,7 +8,7 @@ import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, RunError
 from drake_twin.python_process import python_command
 from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC
 from drake_twin.wires.wire import Closable, Reply, WireEndpoint
@@ -35,11 +36,17 @@ class BagWire:
             raise InputError("the folder exists: a bag is written into a new one", file=folder)
         if not folder.resolve().parent.is_dir():
             raise InputError(f"the folder {folder.resolve().parent} does not exist", file=folder)
+        try:
+            folder.mkdir()
+            folder.rmdir()
+        except OSError as error:
+            raise InputError(f"the folder cannot be created ({error.strerror})", file=folder) from None
         self._folder = folder
+        self._failure: RunError | None = None
         self._topics = frozenset(topics)
         self._numbers = itertools.count(1)
         self._process: subprocess.Popen[bytes] | None = subprocess.Popen(
-            [*python_command("drake_twin.wires.bag_writer"), str(folder)], stdin=subprocess.PIPE
+            [*python_command("drake_twin.wires.bag_writer"), str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_BagSender":
@@ -57,10 +64,17 @@ class BagWire:
         return _End()
 
     def close(self) -> None:
-        """Finish the bag."""
+        """Finish the bag.
+
+        Raises:
+            RunError: If messages are missing in it, with what is there.
+        """
         process, self._process = self._process, None
         if process is not None:
             self._finish(process)
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
 
     def write(self, kind: bytes, number: int, time: int, content: bytes) -> None:
         """Write a record; the first that fails ends the bag."""
@@ -74,14 +88,18 @@ class BagWire:
         except OSError:
             self._process = None
             self._finish(process)
+            _log.warning("%s (the run continues, and nothing more is written into the bag)", self._failure)
 
     def _finish(self, process: "subprocess.Popen[bytes]") -> None:
-        try:
-            process.communicate()
-        except BrokenPipeError:
-            process.wait()
-        if process.returncode:
-            _log.warning("%s: the bag's process has ended: nothing more is written into it", self._folder)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.close()
+        said = process.stdout.read().decode(errors="replace").strip()
+        process.stdout.close()
+        if code := process.wait():
+            said = said or f"its process was killed by signal {-code}" if code < 0 else said
+            self._failure = RunError(f"the bag {self._folder} is not complete: {said or 'its process failed'}")
 
 
 class _End:
@@ -108,9 +126,15 @@ class _BagSender:
                 "type": topic.type,
                 "hash": topic.hash,
                 "definition": topic.definition,
-                "latched": topic.latched,
-                "depth": topic.kept,
-                "lifespan": topic.lifespan,
+                "quality": {
+                    "latched": topic.latched,
+                    "depth": 0 if topic.keeps_all else topic.kept,
+                    "is_best_effort": topic.is_best_effort,
+                    "lifespan": topic.lifespan,
+                    "deadline": topic.deadline,
+                    "is_manual": topic.is_manual,
+                    "lease": topic.lease,
+                },
             }
             bag.write(TOPIC, number, 0, json.dumps(description).encode())
 

@@ -6,8 +6,12 @@ writer is killed can be read up to its last chunk of 1 MiB by readers that strea
 
 Each record on the pipe is a kind (`TOPIC` or `MESSAGE`), a topic's number, a time (ns) and the length of what follows:
 a topic's description as JSON, or a message in CDR.
+
+A bag that cannot be written on, because the disk is full for example, is made whole without the last of its messages.
+What was lost is said on standard output, and the exit code is 1.
 """
 
+import contextlib
 import json
 import signal
 import struct
@@ -15,7 +19,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from drake_twin.versions import stamp
+from drake_twin.errors import RunError
 from drake_twin.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -32,9 +36,12 @@ def main() -> int:
         signal.signal(number, signal.SIG_IGN)
     try:
         write_bag(sys.argv[1], sys.stdin.buffer)
-        tell_distribution(Path(sys.argv[1]))
-    except OSError as error:
-        print(f"the bag {sys.argv[1]} ends here: {error.strerror or error}", file=sys.stderr)
+    except (OSError, RunError) as error:
+        said = f"{getattr(error, 'strerror', None) or error}"
+        try:
+            print(said, flush=True)
+        except OSError:  # the twin was killed, and its pipe is closed
+            print(f"the bag {sys.argv[1]} is not complete: {said}", file=sys.stderr)
         return 1
     return 0
 
@@ -48,32 +55,32 @@ def write_bag(folder: str, source: BinaryIO) -> None:
 
     Raises:
         OSError: If the bag cannot be written.
+        RunError: If it has only a part of the messages; it is whole otherwise.
     """
-    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+    from drake_twin.wires.whole_bag import WholeBag
 
-    if Path(folder).exists():
-        raise FileExistsError(f"{folder} exists")
-    writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
-    writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    writer.set_custom_data("written_by", stamp())
-    connections: dict[int, Connection] = {}
-    with writer:
-        while len(head := source.read(HEAD.size)) == HEAD.size:
+    with contextlib.closing(WholeBag(Path(folder))) as bag:
+        connections: dict[int, Connection] = {}
+        while not bag.is_full and len(head := source.read(HEAD.size)) == HEAD.size:
             kind, number, time, length = HEAD.unpack(head)
             content = source.read(length)
             if len(content) < length:
-                return
+                break
             if kind == MESSAGE:
-                writer.write(connections[number], time, content)
+                bag.write(connections[number], time, content)
             else:
                 topic = json.loads(content)
-                connections[number] = writer.add_connection(
+                connections[number] = bag.add_connection(
                     topic["name"],
                     topic["type"],
                     msgdef=topic["definition"],
                     rihs01=topic["hash"],
-                    offered_qos_profiles=[_quality(topic["latched"], topic["depth"], topic["lifespan"])],
+                    offered_qos_profiles=[_quality(**topic["quality"])],
                 )
+        bag.finish()
+    tell_distribution(Path(folder))
+    if bag.failure is not None:
+        raise RunError(f"{bag.failure.strerror}; {bag.kept()}")
 
 
 def tell_distribution(folder: Path) -> None:
@@ -82,20 +89,31 @@ def tell_distribution(folder: Path) -> None:
     write_whole(file, file.read_text("utf-8").replace("ros_distro: rosbags", f"ros_distro: {_DISTRIBUTION}"))
 
 
-def _quality(latched: bool, depth: int, lifespan: float | None) -> "Qos":
-    """Return the quality of service of the twin's publishers: reliable, and kept for late joiners if latched."""
+def _quality(
+    *,
+    latched: bool,
+    depth: int,
+    is_best_effort: bool,
+    is_manual: bool,
+    **spans: float | None,
+) -> "Qos":
+    """Return the quality of service of one of the twin's publishers."""
     from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
     forever = QosTime(2147483647, 4294967295)
+    lifespan, deadline, lease = (
+        forever if span is None else QosTime(*divmod(round(span * 1e9), 10**9))
+        for span in map(spans.__getitem__, ("lifespan", "deadline", "lease"))
+    )
     return Qos(
-        history=QosHistory.KEEP_LAST,
+        history=QosHistory.KEEP_LAST if depth else QosHistory.KEEP_ALL,
         depth=depth,
-        reliability=QosReliability.RELIABLE,
+        reliability=QosReliability.BEST_EFFORT if is_best_effort else QosReliability.RELIABLE,
         durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
-        deadline=forever,
-        lifespan=forever if lifespan is None else QosTime(*divmod(round(lifespan * 1e9), 10**9)),
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=forever,
+        deadline=deadline,
+        lifespan=lifespan,
+        liveliness=QosLiveliness.MANUAL_BY_TOPIC if is_manual else QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=lease,
         avoid_ros_namespace_conventions=False,
     )
 

@@ -27,6 +27,9 @@ def quality(
     depth: int | None = 10,
     is_best_effort: bool = False,
     lifespan: float | None = None,
+    deadline: float | None = None,
+    is_manual: bool = False,
+    lease: float | None = None,
 ) -> Any:
     """Return the quality of service as ROS has it: reliable by default, and kept for late joiners if latched.
 
@@ -36,6 +39,9 @@ def quality(
         depth: How many messages are kept; None for all.
         is_best_effort: Whether messages may be lost.
         lifespan: How long messages are kept (s); None for always.
+        deadline: The longest time between messages (s); None for any.
+        is_manual: Whether a writer says itself that it is alive.
+        lease: The time in which it has to (s); None for any.
     """
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
@@ -43,6 +49,11 @@ def quality(
     more: list[Any] = []
     if lifespan is not None:
         more.append(Policy.Lifespan(duration(seconds=lifespan)))
+    if deadline is not None:
+        more.append(Policy.Deadline(duration(seconds=deadline)))
+    if is_manual or lease is not None:
+        alive = Policy.Liveliness.ManualByTopic if is_manual else Policy.Liveliness.Automatic
+        more.append(alive(duration(infinite=True) if lease is None else duration(seconds=lease)))
     if latched and depth is not None:  # it counts for late joiners, not the history
         more.append(Policy.DurabilityService(0, Policy.History.KeepLast(depth), -1, -1, -1))
     return Qos(

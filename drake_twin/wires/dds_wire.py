@@ -28,7 +28,7 @@ from drake_twin.wires.rmw_dds_format import (
     topic_name,
 )
 from drake_twin.wires.ros_names import domain_of_environment, is_name
-from drake_twin.wires.wire import LARGEST, Closable, Nothing, Reply, Sender, ServiceClient, WireEndpoint
+from drake_twin.wires.wire import Closable, Nothing, Reply, Sender, ServiceClient, WireEndpoint
 
 _log = logging.getLogger(__name__)
 LOOPBACK = "127.0.0.1"
@@ -217,9 +217,12 @@ def _quality(topic: WireEndpoint) -> Any:
     return quality(
         endpoint_data(topic.hash),
         latched=topic.latched,
-        depth=topic.kept,
+        depth=None if topic.keeps_all else topic.kept,
         is_best_effort=topic.is_best_effort,
         lifespan=topic.lifespan,
+        deadline=topic.deadline,
+        is_manual=topic.is_manual,
+        lease=topic.lease,
     )
 
 
@@ -297,10 +300,10 @@ class _Listener:
         samples = self._reader.take(MOST_SAMPLES)
         for sample in samples:
             data = getattr(sample, "data", b"")  # one without is about a writer that has gone
-            if len(data) > LARGEST:
+            if len(data) > self.topic.largest:
                 if not self._has_told:
                     self._has_told = True
-                    _log.warning("%s: a message of more than %s bytes is ignored", self.topic.name, LARGEST)
+                    _log.warning("%s: a message of more than %s bytes is ignored", self.topic.name, self.topic.largest)
             elif data:
                 self._heard(data)
         return bool(samples)

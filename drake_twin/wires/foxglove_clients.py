@@ -10,7 +10,7 @@ from drake_twin.messages.json_messages import from_json
 from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
 from drake_twin.wires.foxglove_parameters import FoxgloveParameters
 from drake_twin.wires.foxglove_service import CDR, JSON
-from drake_twin.wires.wire import LARGEST, WireEndpoint
+from drake_twin.wires.wire import WireEndpoint
 
 if TYPE_CHECKING:
     from foxglove.websocket import Parameter, PlaybackState
@@ -147,8 +147,8 @@ class FoxgloveClients:
         if channel is None or channel.topic not in self.heard:
             return
         topic, heard = self.heard[channel.topic]
-        if len(data) > LARGEST:
-            self.log(topic.name, f"a message of more than {LARGEST} bytes is ignored")
+        if len(data) > topic.largest:
+            self.log(topic.name, f"a message of more than {topic.largest} bytes is ignored")
             return
         if channel.encoding == JSON:
             try:

@@ -1,10 +1,8 @@
 """Foxglove's web socket: the topics for any viewer that speaks it, and, if asked for, commands and services."""
 
 import contextlib
-import socket
 import threading
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 from uuid import uuid4
 
@@ -12,6 +10,7 @@ from drake_twin.errors import InputError
 from drake_twin.requirements import missing
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.foxglove_clients import FoxgloveClients
+from drake_twin.wires.foxglove_door import FoxgloveDoor, hidden_address
 from drake_twin.wires.foxglove_graph import PUBLISHED, SERVED, SUBSCRIBED, FoxgloveGraph
 from drake_twin.wires.foxglove_log import log_causes_once
 from drake_twin.wires.foxglove_own_client import FoxgloveOwnClient
@@ -24,14 +23,14 @@ PORT = 8765
 _CLOCK = "rosgraph_msgs/msg/Clock"
 _MOST_WAITING = 512  # messages for a client that reads slowly; the oldest are dropped
 _FRAME = 10_000_000  # ns of simulated time between two broadcasts of it
-_LONGEST_CLOSE = 2.0  # s of wall time
 
 
 class FoxgloveWire:
     """A server of Foxglove's web socket protocol.
 
     Topics are channels with CDR messages and ``ros2msg`` schemas. A topic that no client subscribes to costs nothing.
-    The protocol has no token, and any web page can open the port, so that it only shows, unless ``control`` is set.
+    The protocol has no token, so that it only shows, unless ``control`` is set. Web pages are refused, but for
+    Foxglove's own.
 
     Args:
         host: The address to listen on.
@@ -39,9 +38,11 @@ class FoxgloveWire:
         control: Whether clients may publish commands, call services and control the time.
         end: The end of the time line on which clients control the time (s).
         asset: Returns the content of a file by its address, or None. It is called in other threads.
+        origins: The origins of more web pages that may open it, such as ``http://localhost:8080``.
 
     Attributes:
         place: The address of the server.
+        port: Its port.
 
     Raises:
         InputError: If the SDK is not installed, or the port cannot be opened.
@@ -55,6 +56,7 @@ class FoxgloveWire:
         control: bool = False,
         end: float = END,
         asset: Callable[[str], bytes | None] = lambda address: None,
+        origins: Sequence[str] = (),
     ):
         try:
             import foxglove
@@ -75,10 +77,16 @@ class FoxgloveWire:
         self._time: FoxgloveTime | None = None
         log_causes_once()
         try:
+            self._door = FoxgloveDoor(host, port, origins)
+        except (OSError, OverflowError) as error:
+            reason = str(getattr(error, "strerror", None) or error).partition(" (while")[0]
+            raise InputError(f"--foxglove: {host}:{port} cannot be opened: {reason}") from None
+        hidden = hidden_address()
+        try:
             self._server = foxglove.start_server(
                 name="drake_twin",
-                host=host,
-                port=port,
+                host=hidden,
+                port=0,
                 capabilities=capabilities,
                 server_listener=self._clients,
                 supported_encodings=[CDR, JSON] if control else [],
@@ -89,10 +97,13 @@ class FoxgloveWire:
                 playback_time_range=(0, round(end * 1e9)) if control else None,
             )
         except (RuntimeError, OSError, ValueError) as error:
+            self._door.close()
             reason = str(error).rpartition("Failed to bind port: ")[2].partition(" (os error")[0]
-            raise InputError(f"--foxglove: {host}:{port} cannot be opened: {reason}") from None
-        self._address = host, self._server.port
-        self.place = f"ws://{host}:{self._server.port}"
+            raise InputError(f"--foxglove: {hidden} cannot be opened: {reason}") from None
+        self._address = hidden, self._server.port
+        self._door.lead_to(self._address)
+        self.port = self._door.port
+        self.place = f"ws://{host}:{self.port}"
 
     def attach(self, twin: Twin) -> None:
         """Let clients control the time of a twin, if they may command."""
@@ -160,9 +171,7 @@ class FoxgloveWire:
         for server in tuple(self._servers):
             server.close()
         self._server.stop()
-        end = time.monotonic() + _LONGEST_CLOSE
-        while not _is_free(*self._address) and time.monotonic() < end:  # it returns before the port is free
-            time.sleep(0.01)
+        self._door.close()
 
     def open_channel(self, topic: WireEndpoint) -> Any:
         """Open the channel of a topic."""
@@ -199,12 +208,6 @@ class FoxgloveWire:
         """Tell a client that joins the time: the twin may be paused."""
         if self._latest >= 0:
             self._server.broadcast_time(self._latest)
-
-
-def _is_free(host: str, port: int) -> bool:
-    with contextlib.suppress(OSError), socket.create_server((host, port)):
-        return True
-    return False
 
 
 class _Sender:

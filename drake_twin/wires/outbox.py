@@ -1,4 +1,4 @@
-"""The thread that serializes each message once and gives the same bytes to all wires."""
+"""The thread that serializes each message once and gives the same bytes to all wires, and responses in their turn."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -36,6 +36,9 @@ class OfferedTopic:
         return any(sender.is_heard for sender in self.senders)
 
 
+_Message = tuple[OfferedTopic, Draft, float, bool]
+
+
 class Outbox:
     """Messages on their way to the wires, until it is closed.
 
@@ -45,7 +48,7 @@ class Outbox:
 
     def __init__(self, log: Callable[[str, str], None]):
         self._log = log
-        self._queue: SimpleQueue[tuple[OfferedTopic, Draft, float, bool] | Event | None] = SimpleQueue()
+        self._queue: SimpleQueue[_Message | Callable[[], object] | None] = SimpleQueue()
         self._has_room = Event()
         self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
         self._thread.start()
@@ -57,10 +60,14 @@ class Outbox:
             self._has_room.wait(0.1)
         self._queue.put((topic, draft, time, is_repeated))
 
+    def then(self, act: Callable[[], object]) -> None:
+        """Do something once the messages before it are sent."""
+        self._queue.put(act)
+
     def flush(self) -> None:
         """Wait until the pending messages are sent."""
         sent = Event()
-        self._queue.put(sent)
+        self.then(sent.set)
         sent.wait()
 
     def close(self) -> None:
@@ -71,9 +78,9 @@ class Outbox:
     def _send(self) -> None:
         flushes: set[Callable[[], None]] = set()  # of wires that send many messages at once
         while (item := self._next(flushes)) is not None:
-            if isinstance(item, Event):
+            if callable(item):
                 _flush(flushes)
-                item.set()
+                item()
                 continue
             topic, draft, time, is_repeated = item
             try:
@@ -89,7 +96,7 @@ class Outbox:
             finally:
                 self._has_room.set()
 
-    def _next(self, flushes: set[Callable[[], None]]) -> tuple[OfferedTopic, Draft, float, bool] | Event | None:
+    def _next(self, flushes: set[Callable[[], None]]) -> _Message | Callable[[], object] | None:
         """Return the next message; if none comes for a moment, the pending ones are sent."""
         with suppress(Empty):
             return self._queue.get(timeout=_MOMENT if flushes else None)

@@ -218,12 +218,16 @@ def _padded(data: bytes) -> bytes:
 def _quality(told: dict[str, Any]) -> Any:
     """Return the quality of service: reliable by default, and kept for late joiners if latched."""
     from rclpy.duration import Duration
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+    from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
-    lifespan = told.get("lifespan")
+    names = {"lifespan": "lifespan", "deadline": "deadline", "lease": "liveliness_lease_duration"}
+    more: dict[str, Any] = {names[key]: Duration(seconds=told[key]) for key in names if told.get(key) is not None}
+    if told.get("is_manual"):
+        more["liveliness"] = LivelinessPolicy.MANUAL_BY_TOPIC
     return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL if told.get("keeps_all") else HistoryPolicy.KEEP_LAST,
         depth=told["depth"],
         durability=DurabilityPolicy.TRANSIENT_LOCAL if told.get("latched") else DurabilityPolicy.VOLATILE,
         reliability=ReliabilityPolicy.BEST_EFFORT if told.get("best_effort") else ReliabilityPolicy.RELIABLE,
-        **({} if lifespan is None else {"lifespan": Duration(seconds=lifespan)}),
+        **more,
     )

@@ -127,7 +127,7 @@ class RosProcess:
                 return
             self._end()
             if not content.startswith((b"ImportError", b"ModuleNotFoundError")):
-                raise InputError(f"--ros rclpy: {_no_start(_plain(content.decode()) or self._last_words())}")
+                raise InputError(f"--ros rclpy: {_no_start(self._reason(_plain(content.decode())))}")
             reason = f"{self.python} cannot import it ({_plain(content.decode())})"
             problem = f"the rclpy in {rclpy.folder} is for {_version(rclpy.python)}, and {reason}: {_SOURCE}"
         raise InputError(f"--ros rclpy: {problem}")
@@ -167,6 +167,13 @@ class RosProcess:
         """Return how the process has ended, with the last that it has printed."""
         lines = [_plain(line) for line in self._said if line]
         return f"its process has ended with {self._process.returncode}" + (f" ({lines[-1]})" if lines else "")
+
+    def _reason(self, words: str) -> str:
+        """Return why the process has not started, from the error that it tells, which says nothing at times."""
+        if not words:
+            return self._last_words()
+        first = next((line for line in map(_plain, self._said) if line), "")
+        return f"{words}; before, it has printed: {first}" if "error not set" in words and first else words
 
     def _end(self) -> None:
         self.pipe.close()

@@ -105,6 +105,10 @@ class RclpyWire:
             "best_effort": endpoint.is_best_effort,
             "depth": endpoint.kept,
             "lifespan": endpoint.lifespan,
+            "keeps_all": endpoint.keeps_all,
+            "deadline": endpoint.deadline,
+            "is_manual": endpoint.is_manual,
+            "lease": endpoint.lease,
             "fields": fields,
         }
         self.write(OPEN, end.number, content=json.dumps(told).encode())

@@ -16,11 +16,12 @@ from typing import Any
 
 from drake_twin.messages.interface_types import fields_of, make, serialize
 from drake_twin.wires.ros_names import dds_type
+from drake_twin.wires.wire import LARGEST_OF_NODES
 
 GRAPH_TOPIC = "ros_discovery_info"
 GRAPH_TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 PARTICIPANT_DATA = b"enclave=/;"
-LARGEST_SAMPLE = 16 << 20  # bytes, in either direction
+LARGEST_SAMPLE = LARGEST_OF_NODES + 4096  # bytes, in either direction
 _HEADER, _BIG_ENDIAN_HEADER = struct.Struct("<Qq"), struct.Struct(">Qq")
 _LONGEST_INDEX = 32  # of a participant on one machine, as rmw_cyclonedds_cpp has it
 

@@ -38,10 +38,13 @@ class Qos:
     lease: int | None = None
 
     def __str__(self) -> str:
-        # Reliable is 1, transient local 1, volatile 2, keep last 1 (rmw/types.h). They are written out: an empty field
-        # is rmw_zenoh's own default, which is not the same in all of its versions.
-        lifespan = "," if self.lifespan is None else ",".join(map(str, divmod(self.lifespan, 10**9)))
-        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:{lifespan}:,,"
+        # Reliable is 1, best effort 2; transient local 1, volatile 2; keep last 1, all 2; automatic is the default and
+        # manual 3 (rmw/types.h). They are written out: an empty field is rmw_zenoh's own default, which is not the same
+        # in all of its versions.
+        deadline, lifespan, lease = map(_seconds, (self.deadline, self.lifespan, self.lease))
+        first = f"{1 if self.is_reliable else 2}:{1 if self.transient_local else 2}"
+        history = f"1,{self.depth}" if self.depth else "2,"
+        return f"{first}:{history}:{deadline}:{lifespan}:{3 if self.is_manual else ''},{lease}"
 
     @classmethod
     def of(cls, text: str) -> "Qos":
@@ -206,6 +209,11 @@ def _nanoseconds(text: str) -> int | None:
     """Return a time of a token, ``seconds,nanoseconds``; None for an infinite one."""
     seconds, _, rest = text.partition(",")
     return int(seconds or 0) * 10**9 + int(rest or 0) if seconds or rest else None
+
+
+def _seconds(time: int | None) -> str:
+    """Return a time as a token has it; an infinite one is empty."""
+    return "," if time is None else ",".join(map(str, divmod(time, 10**9)))
 
 
 def _mangled(name: str) -> str:

@@ -7,7 +7,8 @@ and is done in the simulation's thread, by `Twin.publish` and the like, so that 
 
 import contextlib
 import logging
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Generator, Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import partial
 from time import monotonic
 from typing import Any, Protocol
@@ -21,11 +22,22 @@ from drake_twin.messages.interface_types import definition, deserialize, make, m
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.outbox import OfferedTopic, Outbox
-from drake_twin.wires.wire import LARGEST, AskingWire, Closable, Reply, ServiceClient, Wire, WireEndpoint
+from drake_twin.wires.wire import (
+    LARGEST,
+    LARGEST_OF_NODES,
+    AskingWire,
+    Closable,
+    Reply,
+    ServiceClient,
+    Wire,
+    WireEndpoint,
+    close_all,
+)
 
 _log = logging.getLogger(__name__)
 _MOST_LINES = 1000  # of the log
 _REPETITION = 0.1  # s of wall time between two messages of a paused clock
+_SHARED = {item.name for item in fields(Endpoint)} & {item.name for item in fields(WireEndpoint)}
 _TOO_MANY = "too many requests wait"
 
 
@@ -35,8 +47,14 @@ class WiredActions(Protocol):
     def loaded(self, twin: Twin) -> Any:
         """Return a value that changes whenever services come and go without a spawn or a delete."""
 
+    def absent(self, twin: Twin) -> Container[str]:
+        """Return the nodes whose topics are not there yet."""
+
     def topics(self) -> Iterable[Endpoint]:
         """Return the topics of the present actions, after their services have been asked for."""
+
+    def proceed(self) -> None:
+        """Continue what takes longer, between two advances."""
 
     def news(self) -> Iterable[tuple[str, Mapping[str, Any]]]:
         """Return the messages that are due: their topics and their fields."""
@@ -95,7 +113,11 @@ class Seam:
         self._outbox.flush()
 
     def close(self) -> None:
-        """Send the pending messages, and end the wires."""
+        """Send the pending messages, and end the wires.
+
+        Raises:
+            RunError: If a wire has lost messages that it was to keep; the others are ended, too.
+        """
         self._twin.inbox.looks.remove(self._look)
         self._twin.inbox.close()
         for topic in self._topics.values():
@@ -104,8 +126,7 @@ class Seam:
                 topic.end = None
         self._outbox.close()  # before the topics end, so that their last messages are sent
         self._keep_topics(())
-        for wire in self._wires:
-            wire.close()
+        close_all(self._wires)
 
     # What comes and goes ---------------------------------------------------------------------------------------------
 
@@ -119,13 +140,14 @@ class Seam:
             self._follow_listeners()
         self._repeat_clock()
         if self._actions is not None:
-            for name, fields in self._actions.news():
-                topic = self._topics[name]
-                if topic.is_heard:
-                    self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, fields)))
+            self._actions.proceed()
+            self._tell_news()
 
     def _keep_topics(self, endpoints: Sequence[Endpoint]) -> None:
         """Offer these endpoints, and the services, and no others."""
+        if self._actions is not None and endpoints:
+            absent = self._actions.absent(self._twin)
+            endpoints = [item for item in endpoints if item.node not in absent]
         services = {item.name: item for item in self._services_of(self._twin)} if endpoints else {}
         of_actions = tuple(self._actions.topics()) if self._actions is not None and endpoints else ()
         offered = {item.name: item for item in (*endpoints, *of_actions) if item.kind == PUBLISHED}
@@ -142,8 +164,9 @@ class Seam:
         _close_missing(self._heard, commanded)
         for name in commanded.keys() - self._heard.keys():
             item = commanded[name]
-            heard = partial(self._hear, item)
-            self._heard[name] = item, [wire.listen(_wired(item), heard) for wire in self._wires]
+            wired = _wired(item, LARGEST if name in self._commanded else LARGEST_OF_NODES)
+            heard = partial(self._hear, wired)
+            self._heard[name] = item, [wire.listen(wired, heard) for wire in self._wires]
         _close_missing(self._served, services)
         for name, (_, ends) in list(self._served.items()):
             self._served[name] = services[name], ends  # the newer one knows the present robot
@@ -208,6 +231,13 @@ class Seam:
         time = self._twin.time if draft.time is None else draft.time
         self._outbox.put(topic, draft, time, is_repeated=is_repeated)
 
+    def _tell_news(self) -> None:
+        """Publish what has happened to the actions' goals."""
+        for name, content in () if self._actions is None else self._actions.news():
+            topic = self._topics[name]
+            if topic.is_heard:
+                self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, content)))
+
     def send(self, name: str, message: Any) -> None:
         """Send a message that a node program has published, if anybody listens."""
         topic = self._topics.get(name)
@@ -241,10 +271,10 @@ class Seam:
 
     # In --------------------------------------------------------------------------------------------------------------
 
-    def _hear(self, topic: Endpoint, data: bytes) -> None:
-        """Decode a command, in a wire's thread."""
-        if len(data) > LARGEST:
-            self._log(topic.name, f"a message of more than {LARGEST} bytes is ignored")
+    def _hear(self, topic: WireEndpoint, data: bytes) -> None:
+        """Decode a message, in a wire's thread."""
+        if len(data) > topic.largest:
+            self._log(topic.name, f"a message of more than {topic.largest} bytes is ignored")
             return
         try:
             message = deserialize(topic.type, data)
@@ -252,8 +282,9 @@ class Seam:
             self._log(topic.name, str(error), "decoding")
             return
         act = partial(self._publish, topic.name, message)
-        if not self._twin.inbox.put(act, topic.name, must_stay=_is_stop(message)):
-            self._log(topic.name, "commands come faster than they are read: older ones are dropped")
+        must_stay = len(data) <= LARGEST and _is_stop(message)
+        if not self._twin.inbox.put(act, topic.name, must_stay=must_stay, size=len(data)):
+            self._log(topic.name, "messages come faster than they are read: older ones are dropped")
 
     def _publish(self, topic: str, message: Any) -> None:
         if self._actions is not None:
@@ -291,7 +322,7 @@ class Seam:
             if service.between_advances:
                 self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
             if not isinstance(fields, Generator):
-                reply(serialize(make_response(service.type, fields)))
+                self._reply(service, fields, reply)
                 return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))
@@ -303,7 +334,8 @@ class Seam:
         try:
             next(answer)
         except StopIteration as end:
-            reply(serialize(make_response(service.type, end.value)))
+            self._tell_news()  # an action's result comes after its last feedback and its status
+            self._reply(service, end.value, reply)
             return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))
@@ -311,6 +343,10 @@ class Seam:
         act, between = partial(self._continue, service, answer, reply), service.between_advances
         if not self._twin.inbox.put(act, between_advances=between, is_urgent=between):  # others wait for time to pass
             self._refuse(service, reply, _TOO_MANY)
+
+    def _reply(self, service: ServiceEndpoint, fields: Any, reply: Reply) -> None:
+        """Answer once what was published before is sent."""
+        self._outbox.then(partial(reply, serialize(make_response(service.type, fields))))
 
     def _refuse(self, service: ServiceEndpoint, reply: Reply, reason: str, cause: str = "") -> None:
         self._log(service.name, reason, cause)
@@ -324,24 +360,14 @@ class Seam:
             _log.warning("%s: %s", topic, text)
 
 
-def _wired(endpoint: Endpoint) -> WireEndpoint:
+def _wired(endpoint: Endpoint, largest: int = LARGEST) -> WireEndpoint:
     kind, text, its_hash = endpoint.type, "", ""
     with contextlib.suppress(ValueError):  # of a type that only the user's own controller knows
         its_hash = type_hash(kind)
         if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
             text = definition(kind)
-    return WireEndpoint(
-        endpoint.name,
-        kind,
-        its_hash,
-        endpoint.node,
-        endpoint.latched,
-        text,
-        endpoint.is_best_effort,
-        depth=endpoint.depth,
-        lifespan=endpoint.lifespan,
-        of_all_nodes=endpoint.of_all_nodes,
-    )
+    shared = {name: getattr(endpoint, name) for name in _SHARED}
+    return WireEndpoint(hash=its_hash, definition=text, largest=largest, **shared)
 
 
 def _same(message: Any) -> Any:

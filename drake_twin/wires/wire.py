@@ -1,11 +1,13 @@
 """What a wire is: it carries bytes of topics and services to and from other programs."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 Reply = Callable[[bytes], None]
-LARGEST = 1 << 20  # bytes of a message that is heard
+LARGEST = 1 << 20  # bytes of a command and of a request
+LARGEST_OF_NODES = 64 << 20  # bytes of a message for nodes: a picture of 4K has 25 MB
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,12 @@ class WireEndpoint:
         definition: The text of the topic's message type, with those of the messages in it.
         depth: How many messages of the topic are kept for who is slow or late; 0 for what suits it.
         lifespan: How long they are kept (s); None for always.
+        keeps_all: Whether all messages are kept, whatever the depth.
+        deadline: The longest time between messages that is offered, or requested (s); None for any.
+        is_manual: Whether the publisher says itself that it is alive, with each message.
+        lease: The time in which it has to (s); None for any.
         of_all_nodes: Whether each node of the program publishes the topic, beside its own.
+        largest: How many bytes a message of the topic has at most that is heard.
     """
 
     name: str
@@ -34,7 +41,12 @@ class WireEndpoint:
     is_best_effort: bool = False
     depth: int = 0
     lifespan: float | None = None
+    keeps_all: bool = False
+    deadline: float | None = None
+    is_manual: bool = False
+    lease: float | None = None
     of_all_nodes: bool = False
+    largest: int = LARGEST
 
     @property
     def kept(self) -> int:
@@ -130,7 +142,22 @@ class Wire(Protocol):
         """
 
     def close(self) -> None:
-        """End the wire."""
+        """End the wire.
+
+        Raises:
+            RunError: If it has lost messages that it was to keep.
+        """
+
+
+def close_all(wires: Iterable[Wire]) -> None:
+    """End wires, each of them.
+
+    Raises:
+        RunError: If one has lost messages that it was to keep.
+    """
+    with contextlib.ExitStack() as stack:
+        for wire in wires:
+            stack.callback(wire.close)
 
 
 class Nothing:

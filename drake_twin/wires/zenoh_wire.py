@@ -257,8 +257,7 @@ class _Sender:
         else:
             self._publisher = session.declare_publisher(key, congestion_control=drop)
             self._listeners = self._publisher.declare_matching_listener(handlers.RingChannel(1))
-        lifespan = None if topic.lifespan is None else round(topic.lifespan * 1e9)
-        self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, topic.kept, lifespan=lifespan))
+        self._gid, self._leave = graph.add(PUBLISHER, topic, _quality(topic))
 
     def send(self, data: bytes, at: int) -> None:
         """Send a message; its source timestamp is the wall clock's, as rmw_zenoh's is."""
@@ -283,6 +282,14 @@ class _Sender:
             self._listened(self.is_heard)
 
 
+def _quality(topic: WireEndpoint) -> Qos:
+    deadline, lifespan, lease = (
+        None if span is None else round(span * 1e9) for span in (topic.deadline, topic.lifespan, topic.lease)
+    )
+    depth = 0 if topic.keeps_all else topic.kept
+    return Qos(topic.latched, depth, not topic.is_best_effort, deadline, lifespan, topic.is_manual, lease)
+
+
 class _Listener:
     """Hears the messages of a topic, whatever their hash, so that a wrong one can be reported.
 
@@ -302,7 +309,7 @@ class _Listener:
             self._subscriber: Any = ext.declare_advanced_subscriber(session, key, call, history=history)
         else:
             self._subscriber = session.declare_subscriber(key, call)
-        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos(topic.latched, topic.kept))
+        _, self._leave = graph.add(SUBSCRIPTION, topic, _quality(topic))
 
     def close(self) -> None:
         """Take it off the graph."""

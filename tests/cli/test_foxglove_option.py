@@ -22,8 +22,8 @@ RUN = ["--robots", "1", "--headless", "--duration", "0.05"]
 @pytest.mark.parametrize(
     ("options", "does", "what"),
     [
-        ([], "only shows; --foxglove-control commands, too", "every web page that reaches the port sees the robots"),
-        (["--foxglove-control"], "shows and commands", "every web page that reaches the port commands the robots"),
+        ([], "only shows; --foxglove-control commands, too", "every program that reaches the port sees the robots"),
+        (["--foxglove-control"], "shows and commands", "every program that reaches the port commands the robots"),
     ],
 )
 def test_the_start_up_message_names_the_open_port_and_says_that_there_is_no_token(capsys, options, does, what):

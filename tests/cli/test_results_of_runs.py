@@ -6,10 +6,11 @@ import pytest
 from conftest import rovers
 
 from drake_twin.cli.options import parser
-from drake_twin.cli.results import save_results, write_result
+from drake_twin.cli.results import save_results
 from drake_twin.errors import RunError
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.snapshot import Snapshot
+from drake_twin.whole_file import write_result
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,8 @@
+import os
+
 import pytest
 
-from drake_twin.cockpit.access import Access, kept_token
+from drake_twin.cockpit.access import Access, door, kept_token
 
 OWN = Access("127.0.0.1", 7000, "secret")
 EVERYWHERE = Access("0.0.0.0", 7000, "secret")
@@ -54,6 +56,28 @@ def test_a_program_that_starts_again_has_the_token_of_the_one_before(tmp_path):
     assert kept_token(tmp_path, 7000) == token
     assert kept_token(tmp_path, 7001) != token
     assert (tmp_path / "token-7000").stat().st_mode & 0o777 == 0o600
+
+
+def test_a_token_that_is_a_day_old_is_not_used_again(tmp_path):
+    token, file = kept_token(tmp_path, 7000), tmp_path / "token-7000"
+    now = file.stat().st_mtime
+    os.utime(file, (now, now - 23 * 3600))
+    assert kept_token(tmp_path, 7000) == token
+    os.utime(file, (now, now - 25 * 3600))
+    newer = kept_token(tmp_path, 7000)
+    assert newer != token
+    os.utime(file, (now, now + 3600))  # the clock was set back
+    assert kept_token(tmp_path, 7000) != newer
+
+
+def test_the_file_that_leads_a_browser_to_the_page_is_the_users_alone(tmp_path):
+    own = Access("127.0.0.1", 7000, "secret")
+    (tmp_path / "open-7000.html").symlink_to(tmp_path / "elsewhere")  # which another may have put there
+    file = door(tmp_path, own)
+    assert file.name == "open-7000.html"
+    assert not file.is_symlink()
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert f"url={own.url}" in file.read_text()
 
 
 @pytest.mark.parametrize("damage", ["open to others", "short", "link", "folder", "binary"])

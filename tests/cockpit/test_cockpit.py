@@ -8,7 +8,7 @@ from fake_page import FakePage
 from robots_to_steer import CMD_VEL, TRAJECTORY, WHEELS_1, arm_with_trajectories, driven_rovers
 
 from drake_twin import TwinBuilder
-from drake_twin.cockpit import protocol
+from drake_twin.cockpit import protocol, stepping
 from drake_twin.cockpit.scene import Scene
 from drake_twin.scenario import Robot
 
@@ -42,6 +42,29 @@ def test_steps_are_made_at_once_and_the_twin_stays_paused(page):
     assert page.twin.clock.step_count == 7
     assert page.twin.clock.paused
     assert page.state["steps"] == 7
+
+
+def test_many_steps_are_made_in_parts_and_a_stop_comes_between_them(page, monkeypatch):
+    monkeypatch.setattr(stepping, "_LONGEST", 0.0)  # one part a frame
+    page.ask(protocol.Step(10_000))
+    assert page.twin.clock.step_count == 10
+    page.ask(protocol.EmergencyStop("robot_1"))
+    assert page.twin.control.is_stopped("robot_1")
+    assert page.twin.clock.step_count == 20  # they go on: the robot is stopped, and not the time
+    page.ask(protocol.Pause())
+    page.cockpit.process_requests()
+    assert page.twin.clock.step_count == 20
+    page.ask(protocol.Step(10), protocol.Step(5))
+    page.cockpit.process_requests()
+    assert page.twin.clock.step_count == 35
+
+
+@pytest.mark.parametrize("request_", [protocol.Play(), protocol.Reset(), protocol.RunTo(5.0)])
+def test_what_moves_the_time_otherwise_ends_the_steps(page, monkeypatch, request_):
+    monkeypatch.setattr(stepping, "_LONGEST", 0.0)
+    page.ask(protocol.Step(10_000), request_)
+    page.cockpit.process_requests()
+    assert page.twin.clock.step_count in (0, 10)
 
 
 def test_what_a_callback_may_do_is_done_within_the_advance_that_it_meets(page):

@@ -206,8 +206,9 @@ def test_the_page_says_that_the_network_is_cut_and_works_when_it_is_back(tab):
 
     from drake_twin.cockpit.access import Access
     from drake_twin.cockpit.cockpit import Cockpit
+    from drake_twin.cockpit.listening import bind
     from drake_twin.cockpit.scene import Scene
-    from drake_twin.cockpit.server import PageServer, bind
+    from drake_twin.cockpit.server import PageServer
 
     listening = bind(None, "127.0.0.1")
     proxy = Proxy(listening.getsockname()[1])

@@ -7,7 +7,7 @@ import io
 import numpy as np
 import pytest
 from browser import BROWSER_TESTS, browser, folder, page, show
-from conftest import ARM, ROVER
+from conftest import ARM, ROVER, rovers
 from PIL import Image
 from robots_to_steer import TRAJECTORY, WHEELS_1, arm_with_trajectories
 
@@ -160,3 +160,19 @@ def test_a_robot_that_is_only_displayed_has_joint_sliders_and_no_time(show):
     assert it.twin.time == 0
     assert not tab.get_by_role("button", name="Play").is_visible()
     assert folder(tab, "arm").get_by_label("arm joint_5 position").count() == 0  # which follows
+
+
+def test_many_robots_are_folded_and_found_by_name(show):
+    """A slider of one of five robots by its number and Enter."""
+    it, tab = show(rovers(5).scenario())
+    it.frames(lambda: tab.locator(".robot").count() == 5)
+    assert tab.locator(".robot details[open]").count() == 0
+    tab.get_by_label("Filter robots").fill("T_4")
+    assert tab.locator(".robot:visible").evaluate_all("all => all.map(({ dataset }) => dataset.robot)") == ["robot_4"]
+    tab.keyboard.press("Enter")
+    it.frames(lambda: folder(tab, "robot_4").get_by_label("rear_left_wheel_joint velocity, number").is_visible())
+    it.twin.entities.delete("robot_4")
+    it.frames(lambda: tab.locator(".robot").count() == 4)
+    assert tab.locator(".robot:visible").count() == 0
+    tab.get_by_label("Filter robots").fill("")
+    assert tab.locator(".robot:visible").count() == 4

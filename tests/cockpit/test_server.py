@@ -12,8 +12,9 @@ from aiohttp import ClientSession, WSMsgType, WSServerHandshakeError
 from pydrake.geometry import Rgba, Sphere
 
 from drake_twin.cockpit import protocol
+from drake_twin.cockpit.listening import bind
 from drake_twin.cockpit.scene import Scene
-from drake_twin.cockpit.server import PageServer, bind
+from drake_twin.cockpit.server import PageServer
 from drake_twin.errors import InputError
 
 MANY = 20_000
@@ -159,6 +160,13 @@ def test_a_thousand_malformed_messages_do_nothing(server):
 
     talk(server, nonsense)
     assert requests_until(server, lambda taken: len(taken) >= 2) == [protocol.Pause(), protocol.Gone()]
+
+
+def test_more_pages_than_there_is_room_for_are_sent_away(server, monkeypatch):
+    monkeypatch.setattr("drake_twin.cockpit.server._MOST_CLIENTS", 0)
+    with pytest.raises(WSServerHandshakeError) as refused:
+        talk(server, lambda web_socket: web_socket.receive())
+    assert refused.value.status == 503
 
 
 def test_a_message_that_is_too_long_ends_that_connection_only(server):

@@ -9,13 +9,18 @@ import trimesh
 from drake_twin.description import mesh_cache
 from drake_twin.description.mesh_cache import cached, mesh_cache_folder, source_of
 from drake_twin.description.meshes import collision_mesh
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, RunError
 
 
 @pytest.fixture(autouse=True)
-def cache(tmp_path, monkeypatch) -> Path:
+def cache(tmp_path, monkeypatch):
+    """The folder of the cache; the temporary folder is empty, too."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "drake_twin" / "meshes"
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
+    mesh_cache._temporary_base.cache_clear()
+    yield tmp_path / "cache" / "drake_twin" / "meshes"
+    mesh_cache._temporary_base.cache_clear()
 
 
 @pytest.fixture
@@ -132,21 +137,17 @@ def test_a_cache_folder_that_cannot_be_written_falls_back_to_a_temporary_one(cac
 
 
 @pytest.fixture
-def no_cache(tmp_path, cache, monkeypatch):
+def no_cache(tmp_path, cache):
     """A cache folder that cannot be made; the temporary folder."""
     (tmp_path / "cache").write_text("a file where the folder should be")
-    (tmp_path / "tmp").mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
-    mesh_cache._temporary_folder.cache_clear()
-    yield tmp_path / "tmp"
-    mesh_cache._temporary_folder.cache_clear()
+    return tmp_path / "tmp"
 
 
 def test_the_temporary_folder_is_the_users_own_and_the_same_in_every_run(no_cache):
     folder = mesh_cache.cache_folder("meshes")
     assert folder == no_cache / f"drake_twin_{os.getuid()}" / "meshes"
     assert folder.parent.stat().st_mode & 0o777 == 0o700
-    mesh_cache._temporary_folder.cache_clear()  # as in another process
+    mesh_cache._temporary_base.cache_clear()  # as in another process
     assert mesh_cache.cache_folder("meshes") == folder
 
 
@@ -163,8 +164,9 @@ def test_a_temporary_folder_that_others_may_have_made_is_not_used(no_cache, plac
         case "file":
             shared.touch()
     folder = mesh_cache.cache_folder("meshes")
-    assert folder.name.startswith("drake_twin_meshes_")
-    assert folder.stat().st_mode & 0o777 == 0o700
+    assert folder.parent.name.startswith("drake_twin_")
+    assert folder.parent != shared
+    assert folder.parent.stat().st_mode & 0o777 == 0o700
 
 
 def test_a_disk_that_is_full_is_named_and_no_part_is_left(cache, source, monkeypatch):
@@ -172,9 +174,46 @@ def test_a_disk_that_is_full_is_named_and_no_part_is_left(cache, source, monkeyp
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
-    with pytest.raises(InputError, match=rf"^{cache}: the mesh cache cannot be written \(No space left on device\)\."):
+    with pytest.raises(
+        RunError, match=rf"^the cache {cache} cannot be written \(No space left on device\): name a place"
+    ):
         cached(source("a.stl"), ".obj", ten_bytes)
     assert list(cache.iterdir()) == []
+
+
+def test_where_the_cache_is_full_the_temporary_folder_keeps_what_is_converted_once(
+    cache, source, tmp_path, monkeypatch
+):
+    conversions = []
+
+    def convert(file):
+        conversions.append(file)
+        return b"0123456789"
+
+    def full_cache(part, file, replace=os.replace):
+        if cache in Path(file).parents:
+            raise OSError(28, "No space left on device")
+        replace(part, file)
+
+    monkeypatch.setattr(os, "replace", full_cache)
+    kept = cached(source("a.stl"), ".obj", convert)
+    assert tmp_path / "tmp" in kept.parents
+    assert kept.read_bytes() == b"0123456789"
+    assert len(conversions) == 1
+
+
+def test_a_full_cache_changes_no_robot_and_fails_where_nothing_can_be_kept(monkeypatch):
+    """A file that cannot be written is no fault of the mesh, which a repair would leave out."""
+    from conftest import ARM
+
+    from drake_twin import TwinBuilder
+
+    def full(file, content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(mesh_cache, "write_whole", full)
+    with pytest.raises(RunError, match="No space left on device"):
+        TwinBuilder().robot("arm", ARM).build()
 
 
 def test_a_missing_source_is_named(tmp_path):
@@ -239,7 +278,7 @@ def test_what_cannot_be_finished_leaves_nothing_in_the_cache(source, cache, monk
         raise error
 
     monkeypatch.setattr("os.fsync", stopped)
-    with pytest.raises((InputError, KeyboardInterrupt)):
+    with pytest.raises((RunError, KeyboardInterrupt)):
         cached(source("a.stl"), ".obj", ten_bytes)
     assert list(cache.iterdir()) == []
 

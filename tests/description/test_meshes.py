@@ -83,6 +83,28 @@ def test_the_obj_has_normals_which_drakes_renderer_needs(tmp_path):
     assert "\nvn " in visual_mesh(write(box(), tmp_path / "box.stl")).read_text()
 
 
+@pytest.mark.parametrize("suffix", ["stl", "ply", "off"])
+def test_a_box_has_sharp_edges(tmp_path, suffix):
+    """Each of its 24 corners of faces has its face's normal."""
+    file = write(box(), tmp_path / f"box.{suffix}")
+    lines = visual_mesh(file).read_text().splitlines()
+    normals = [tuple(abs(float(number)) for number in line.split()[1:]) for line in lines if line.startswith("vn ")]
+    assert len(normals) == 24
+    assert set(normals) == {(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)}
+    assert sum(line.startswith("v ") for line in lines) == 8
+
+
+def test_a_coloured_box_has_sharp_edges(tmp_path):
+    mesh = box()
+    mesh.visual = trimesh.visual.ColorVisuals(mesh, vertex_colors=[[0, 255, 0, 255]] * len(mesh.vertices))
+    file = write(mesh, tmp_path / "box.ply", include_attributes=False, vertex_normal=False)
+    scene = trimesh.load_scene(io.BytesIO(visual_mesh(file).read_bytes()), file_type="gltf", process=False)
+    (drawn,) = scene.geometry.values()
+    assert len(drawn.vertices) == 24
+    assert np.abs(drawn.vertex_normals).max(axis=1) == pytest.approx(np.ones(24))
+    assert np.asarray(drawn.visual.vertex_colors)[:, 1].tolist() == [255] * 24
+
+
 def test_an_obj_without_normals_is_given_them(tmp_path, cache):
     file = write(box(), tmp_path / "box.obj", include_normals=False)
     assert "\nvn " in visual_mesh(file).read_text()

@@ -224,7 +224,11 @@ def test_a_twin_listens_at_nothing_and_a_wire_on_the_loopback_address(name, port
         found = set(ports_of([os.getpid()])) - before
         if wire is not None:
             wire.close()
-    assert [(item.address, item.number) for item in sorted(found)] == ([("127.0.0.1", port)] if port else [])
+    own = [item for item in sorted(found) if item.number == port]
+    assert [item.address for item in own] == (["127.0.0.1"] if port else [])
+    beside = [item.address for item in found if item.number != port]
+    assert len(beside) == (name == "foxglove")  # the SDK's server, behind the door
+    assert all(address.startswith("127.") and address != "127.0.0.1" for address in beside)
 
 
 def opened(name, port):
@@ -260,21 +264,38 @@ def test_dds_hears_the_loopback_interface_only():
     assert all(device == b"lo" or address == "127.0.0.1" for address, device in opened)
 
 
-def test_foxglove_answers_a_page_of_another_site():
+@pytest.mark.parametrize(
+    ("origin", "answers"),
+    [
+        (None, True),  # a program
+        ("https://app.foxglove.dev", True),
+        ("file://", True),  # Foxglove's desktop application
+        ("http://localhost:8080", True),  # which is named here
+        ("http://evil.example", False),
+        ("http://127.0.0.1:18766", False),
+        ("https://app.foxglove.dev.evil.example", False),
+        ("null", False),  # a file in a browser, or a frame without an origin
+    ],
+)
+def test_foxglove_answers_its_own_pages_and_programs_and_no_page_of_another_site(origin, answers):
     pytest.importorskip("foxglove")
     aiohttp = pytest.importorskip("aiohttp")
     from drake_twin.wires.foxglove_wire import FoxgloveWire
 
     async def first_words(port):
         async with aiohttp.ClientSession() as session:
-            origin = {"Origin": "http://evil.example"}
             address = f"http://127.0.0.1:{port}"
-            async with session.ws_connect(address, protocols=["foxglove.sdk.v1"], headers=origin) as socket:
-                return (await socket.receive(timeout=10)).data
+            try:
+                headers = {} if origin is None else {"Origin": origin}
+                async with session.ws_connect(address, protocols=["foxglove.sdk.v1"], headers=headers) as socket:
+                    return (await socket.receive(timeout=10)).data
+            except aiohttp.WSServerHandshakeError as error:
+                return str(error.status)
 
-    wire = FoxgloveWire(port=18766)
-    assert "serverInfo" in asyncio.run(first_words(18766))
+    wire = FoxgloveWire(port=18766, origins=["http://localhost:8080"])
+    said = asyncio.run(first_words(18766))
     wire.close()
+    assert ("serverInfo" in said) if answers else said == "403"
 
 
 # What is written

@@ -107,5 +107,6 @@ def test_a_program_spawns_if_its_source_names_the_service(packages, tmp_path):
     assert not spawns(NodeProgram(str(tmp_path / "gone.py")), packages, file)
 
 
-def test_only_the_keyboards_node_needs_a_terminal():
+def test_only_the_nodes_of_keyboards_need_a_terminal():
     assert [needs_terminal(node(name, name)) for name in ("teleop_twist_keyboard", "twist_mux")] == [True, False]
+    assert needs_terminal(node("turtlesim", "turtle_teleop_key"))

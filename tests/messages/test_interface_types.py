@@ -2,6 +2,7 @@
 
 import struct
 
+import numpy as np
 import pytest
 
 from drake_twin import messages
@@ -152,3 +153,31 @@ def test_a_packages_messages_services_and_actions_are_listed_without_their_parts
     assert {"Twist", "PoseStamped"} <= {*known_names("geometry_msgs", "msg")}
     assert not any("_" in name for name in known_names("control_msgs", "action"))
     assert {"std_srvs", "geometry_msgs"} <= known_packages()
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "refused"),
+    [
+        ("uint8", np.array([0, 255], np.uint8), False),
+        ("uint8", np.array([0, 255], np.int64), False),  # of another type, which has more: each is looked at
+        ("uint8", np.array([256], np.int64), True),
+        ("int16", np.array([-129, 5], np.int16), False),
+        ("uint16", np.array([-1], np.int8), True),
+        ("uint8", np.array([True]), True),
+    ],
+)
+def test_arrays_of_whole_numbers(kind, values, refused):
+    def made():
+        name = kind.replace("uint", "UInt").replace("int", "Int")
+        return make(f"std_msgs/msg/{name}MultiArray", {"data": values})
+
+    if refused:
+        with pytest.raises(ValueError, match=f"is not a {kind}"):
+            made()
+    else:
+        assert (made().data.dtype, made().data.tolist()) == (kind, values.tolist())
+
+
+def test_a_picture_is_not_looked_at_number_by_number(monkeypatch):
+    monkeypatch.setattr("drake_twin.messages.field_values.base_value", None)
+    assert make("std_msgs/msg/UInt8MultiArray", {"data": np.zeros(1 << 20, np.uint8)}).data.size == 1 << 20

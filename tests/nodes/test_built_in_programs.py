@@ -187,7 +187,7 @@ def test_stamps_are_added_and_left_out(run):
 
 def test_each_program_is_there():
     scans = "depthimage_to_laserscan", "pointcloud_to_laserscan", "image_proc", "robot_localization"
-    drives = "teleop_twist_joy", "teleop_twist_keyboard", "topic_tools", "twist_mux", "twist_stamper"
+    drives = "teleop_twist_joy", "teleop_twist_keyboard", "topic_tools", "turtlesim", "twist_mux", "twist_stamper"
     for package in ("joint_state_publisher", *scans, *drives):
         programs = built_in_programs(package)
         assert programs
@@ -227,20 +227,19 @@ def generate_launch_description():
         assert twin.more_findings == []
 
 
-def press(keys, ear, *arguments):
+def press(keys, ear, *arguments, program="teleop_twist_keyboard", package="teleop_twist_keyboard", end=1.0, more=()):
     """Press keys in a terminal at their times, while an ear hears what becomes of them."""
     ours, theirs = pty.openpty()
     with open(theirs, encoding="utf-8") as terminal, pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "stdin", terminal)
         before = termios.tcgetattr(terminal)
-        program = NodeProgram("teleop_twist_keyboard", "teleop_twist_keyboard", arguments)
         with rovers(1, time_step=0.01).build() as twin:
-            nodes = Nodes(twin, [ear, program])
+            nodes = Nodes(twin, [ear, *more, NodeProgram(program, package, arguments)])
             for time, key in keys:
                 twin.advance_to(time)
                 os.write(ours, key)
                 assert select.select([terminal], [], [], 10)[0], "the terminal has passed the key on"
-            twin.advance_to(1.0)
+            twin.advance_to(end)
             nodes.close()
             assert twin.more_findings == []
         assert termios.tcgetattr(terminal) == before
@@ -255,6 +254,31 @@ def test_keys_become_twists(tmp_path, capfd, kind):
     press([(0.195, b"i"), (0.395, b"w"), (0.595, b"k"), (0.795, b"i")], ear, *more)
     heard = [line.split()[1] for line in capfd.readouterr().out.splitlines() if line[:1].isdigit()]
     assert heard == ["0.5", "0.55", "0", "0.55"]
+
+
+TURTLE_EAR = """
+import rclpy
+from turtlesim.msg import Pose
+
+rclpy.init()
+node = rclpy.create_node("ear")
+node.create_subscription(Pose, "/turtle1/pose", lambda pose: setattr(node, "pose", pose), 10)
+node.create_timer(1.2, lambda: print(f"{node.pose.x:.2f} {node.pose.theta:.2f}", flush=True))
+rclpy.spin(node)
+"""
+
+
+def test_keys_drive_a_turtle(tmp_path, capfd):
+    """teleop_turtle_key.cpp: an arrow is 2 m/s or 2 rad/s, which lasts for 1 s; a letter is a heading, f stops."""
+    ear = NodeProgram(str(script(tmp_path, "ear.py", TURTLE_EAR)))
+    keys = [(0.015, b"\x1b[A"), (1.215, b"e"), (2.015, b"f"), (2.415, b"\x1b[D"), (3.595, b"q")]
+    given = {"program": "turtle_teleop_key", "package": "turtlesim", "end": 3.7}
+    press(keys, ear, more=[NodeProgram("turtlesim_node", "turtlesim")], **given)
+    lines = [line for line in capfd.readouterr().out.splitlines() if line[:1].isdigit()]
+    (x, first), (_, second), (_, third) = (map(float, line.split()) for line in lines)
+    assert (x, first) == (pytest.approx(5.54 + 2.0, abs=0.05), 0.0)
+    assert second == pytest.approx(0.8, abs=0.05)
+    assert third == pytest.approx(second + 2.0, abs=0.05)
 
 
 def test_without_a_terminal_there_are_no_keys(monkeypatch):

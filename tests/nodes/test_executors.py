@@ -187,3 +187,56 @@ def test_an_executor_waits_for_what_a_user_has_made(tmp_path, capsys):
 
 def test_futures_are_done_only_with_a_result(tmp_path, capsys):
     assert printed(tmp_path, capsys, FUTURES) == ["False True", "True False 3", "second x"]
+
+
+AWAITED = """
+import asyncio
+from std_srvs.srv import Trigger
+
+rclpy.init()
+node = Node("my")
+node.create_service(Trigger, "ask", lambda request, response: Trigger.Response(message="yes"))
+client = node.create_client(Trigger, "ask")
+
+
+async def spin():
+    while rclpy.ok():
+        rclpy.spin_once(node, timeout_sec=0.0)
+        await asyncio.sleep(0.01)
+
+
+async def nested():
+    return (await client.call_async(Trigger.Request())).message
+
+
+async def main():
+    spinning = asyncio.create_task(spin())
+    print((await client.call_async(Trigger.Request())).message)
+    print(await rclpy.get_global_executor().create_task(nested))
+    found = await asyncio.gather(*(asyncio.wait_for(ask(), 1.0) for _ in range(2)))
+    print(found, node.get_clock().now().nanoseconds < 200_000_000)
+    try:
+        await asyncio.wait_for(never(), 0.1)
+    except asyncio.TimeoutError:
+        print("timeout")
+    spinning.cancel()
+
+
+async def ask():
+    return (await client.call_async(Trigger.Request())).message
+
+
+async def never():
+    await rclpy.Future()
+
+
+asyncio.run(main())
+"""
+
+
+def test_asyncio_awaits_what_rclpy_answers(tmp_path, capsys):
+    """As in rclpy/actions/minimal_action_client/client_asyncio.py of ros2/examples."""
+    with running(script(tmp_path, "my.py", HEAD + AWAITED)) as twin:
+        twin.advance_to(3.0)
+        assert twin.findings == ()
+    assert lines(capsys) == ["yes", "yes", "['yes', 'yes'] True", "timeout"]

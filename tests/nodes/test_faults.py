@@ -46,6 +46,38 @@ def test_a_node_that_raises(tmp_path, capsys, text, why):
     assert lines(capsys) == ["here 100", "here 200"]
 
 
+@pytest.mark.parametrize(
+    ("module", "missing", "remedy"),
+    [
+        ("serial", "serial", ": pip install pyserial"),
+        ("arm_msgs.msg", "arm_msgs", ": give the folder of this ROS package by --package-path"),
+        ("gripper", "gripper", ": give the folder of this ROS package by --package-path"),
+        ("mine.srv", "mine.srv", ": the package has no .srv files"),
+        ("elsewhere", "elsewhere", ""),
+    ],
+)
+def test_what_lacks_a_module_is_told_where_it_may_come_from(tmp_path, monkeypatch, module, missing, remedy):
+    """A package.xml names what is a ROS package, as do the endings of packages of messages."""
+    monkeypatch.setitem(sys.modules, "serial", None)
+    (tmp_path / "package.xml").write_text("<package><name>mine</name><exec_depend>gripper</exec_depend></package>")
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Mine.msg").write_text("bool a\n")
+    file = script(tmp_path, "f.py", f"import {module}")
+    with running(file) as twin:
+        twin.advance_to(0.1)
+        text = failed(twin).replace("import of serial halted; None in sys.modules", "No module named 'serial'")
+        assert text == f"node f.py: ModuleNotFoundError: No module named {missing!r}{remedy} ({file}:1)"
+
+
+def test_what_starts_ros_by_its_command_is_told_that_the_twin_does_not_have_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    file = script(tmp_path, "f.py", "import subprocess\nsubprocess.Popen(['ros2', 'run', 'a', 'b'])")
+    with running(file) as twin:
+        twin.advance_to(0.1)
+        remedy = "the twin needs no ROS, and ROS's command is not there: start nodes by --node or a launch file"
+        assert failed(twin).endswith(f"No such file or directory: 'ros2': {remedy} ({file}:2)")
+
+
 def test_an_error_in_a_callback_is_told_with_its_line(tmp_path):
     file = script(
         tmp_path,
@@ -64,6 +96,22 @@ class My(Node):
         twin.advance_to(0.2)
         number = file.read_text().splitlines().index("        return 1 / 0") + 1
         assert failed(twin) == f"node f.py: ZeroDivisionError: division by zero ({file}:{number})"
+
+
+def test_a_module_that_has_to_be_compiled_says_so(tmp_path):
+    """As yasmin's from release 4 on."""
+    package = tmp_path / "machine"
+    script(package, "package.xml", "<package><name>machine</name></package>")
+    script(
+        package, "CMakeLists.txt", "ament_python_install_package(machine)\npybind11_add_module(state src/state.cpp)\n"
+    )
+    script(package, "machine/__init__.py", "from machine.state import State\n")
+    file = script(package, "machine/run.py", f"import sys\nsys.path.insert(0, {str(package)!r})\nimport machine\n")
+    with running(file) as twin:
+        twin.advance_to(0.01)
+        why = "it has to be compiled from C++, as the CMakeLists.txt of its package says"
+        found = f"node run.py: ModuleNotFoundError: No module named 'machine.state': {why} ({file}:3)"
+        assert failed(twin) == found
 
 
 def test_an_exit_without_an_error_is_none(tmp_path):
@@ -107,6 +155,25 @@ def test_a_node_that_blocks_again_is_let_out_sooner(tmp_path, capsys, caplog, mo
                 if f"b'{letter}'" in capsys.readouterr().out:
                     break
         assert len(caplog.records) == 1
+        os.close(writing)  # so that the node reads on, and ends
+        twin.advance_to(twin.time + 0.1)
+    os.close(reading)
+
+
+def test_a_node_that_is_back_where_it_blocked_is_let_out_at_once(tmp_path, capsys, monkeypatch):
+    """As in the main loop of a window, between two callbacks that publish."""
+    reading, writing = os.pipe()
+    text = f"import os, time\nwhile True:\n    print(os.read({reading}, 1) or exit())\n    time.sleep(0.01)\n"
+    with running(script(tmp_path, "f.py", text)) as twin:
+        for letter in "abc":
+            twin.advance_to(twin.time + 0.05)
+            for name in ("_BLOCKED", "_BLOCKED_AGAIN"):
+                monkeypatch.setattr(f"drake_twin.nodes.turns.{name}", 10**9)
+            os.write(writing, letter.encode())
+            for _ in range(1000):
+                twin.advance_to(twin.time + 0.01)
+                if f"b'{letter}'" in capsys.readouterr().out:
+                    break
         os.close(writing)  # so that the node reads on, and ends
         twin.advance_to(twin.time + 0.1)
     os.close(reading)

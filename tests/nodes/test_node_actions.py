@@ -163,6 +163,20 @@ def test_a_goal_that_is_canceled(tmp_path, capsys):
     assert out[3].startswith("5 ")
 
 
+def test_a_goal_that_has_ended_is_not_canceled(tmp_path, capsys):
+    """The code is rcl_action's for a goal in a terminal state that its server still keeps: 3."""
+    more = (
+        "rclpy.spin_until_future_complete(node, handle.get_result_async())\n"
+        "canceled = handle.cancel_goal_async()\n"
+        "rclpy.spin_until_future_complete(node, canceled)\n"
+        "print(canceled.result().return_code, len(canceled.result().goals_canceling))"
+    )
+    file, _ = trajectory(tmp_path, [0.3, 0.2, 0.1], more)
+    with arm(file) as twin:
+        twin.advance_to(3.0)
+    assert lines(capsys)[2] == "3 0"
+
+
 def test_an_action_of_a_node(tmp_path, capsys):
     server = script(
         tmp_path,

@@ -77,7 +77,8 @@ from rcl_interfaces.msg import Log
 class My(Node):
     def __init__(self):
         super().__init__("echo")
-        self.create_subscription(Log, "/rosout", self.hear, 10)
+        profile = rclpy.qos.QoSProfile(depth=10, durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_subscription(Log, "/rosout", self.hear, profile)
         self.count = 0
 
     def hear(self, line):

@@ -2,6 +2,7 @@
 
 from contextlib import contextmanager
 
+import numpy as np
 from conftest import rovers
 from node_runs import HEAD, lines, script
 from wires.local_wire import LocalWire
@@ -75,6 +76,79 @@ class My(Node):
 """
 
 
+QUALITIES = """
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("my")
+        self.ends = []
+        for spans in ((0.25, 2.0, 3.0), (0.5, 1.0, 4.0)):
+            deadline, lifespan, lease = (Duration(seconds=span) for span in spans)
+            alive = {"liveliness": LivelinessPolicy.MANUAL_BY_TOPIC, "liveliness_lease_duration": lease}
+            profile = QoSProfile(depth=round(spans[2]), deadline=deadline, lifespan=lifespan, **alive)
+            self.ends.append(self.create_publisher(String, "said", profile))
+            self.ends.append(self.create_subscription(String, "told", print, profile))
+        lossy = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.ends.append(self.create_publisher(String, "lossy", lossy))
+        kept = QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.ends.append(self.create_publisher(String, "kept", kept))
+        self.ends.append(self.create_subscription(String, "plain", print, 3))
+"""
+
+
+def test_the_world_is_told_the_quality_of_service_of_nodes(tmp_path):
+    """One endpoint is for all of a topic: it offers the best that they offer, and requests what suits all."""
+
+    def quality(endpoint):
+        return {
+            name: value
+            for name in (
+                "latched",
+                "is_best_effort",
+                "depth",
+                "lifespan",
+                "keeps_all",
+                "deadline",
+                "is_manual",
+                "lease",
+            )
+            if (value := getattr(endpoint, name)) not in (None, False, 0)
+        }
+
+    with wired(tmp_path, QUALITIES) as (_, wire, _ask):
+        said, told = wire.senders["/said"].topic, wire.listeners["/told"].endpoint
+        assert quality(said) == {"depth": 4, "lifespan": 2.0, "deadline": 0.25, "is_manual": True, "lease": 3.0}
+        assert quality(told) == {"depth": 4, "deadline": 0.5, "is_manual": True, "lease": 4.0}
+        assert quality(wire.senders["/lossy"].topic) == {"is_best_effort": True, "keeps_all": True}
+        assert quality(wire.senders["/kept"].topic) == {"latched": True, "depth": 7}
+        assert quality(wire.listeners["/plain"].endpoint) == {"depth": 3}
+
+
+LARGE = """
+from std_msgs.msg import UInt8MultiArray
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("my")
+        self.create_subscription(UInt8MultiArray, "picture", lambda message: print(len(message.data)), 1)
+"""
+
+
+def test_a_node_hears_a_message_of_ten_megabytes(tmp_path, capsys):
+    """A picture in HD has six; what commands a robot has a kilobyte."""
+    with wired(tmp_path, LARGE) as (twin, wire, _):
+        data = serialize(make("std_msgs/msg/UInt8MultiArray", {"data": np.zeros(10_000_000, np.uint8)}))
+        wire.listeners["/picture"].call(data)
+        twin.advance_to(twin.time + 0.02)
+        assert wire.listeners["/picture"].endpoint.largest == 64 << 20
+        assert wire.listeners["/robot_1/forward_velocity_controller/commands"].endpoint.largest == 1 << 20
+    assert lines(capsys) == ["10000000"]
+
+
 @contextmanager
 def wired(tmp_path, *texts):
     """A twin of nodes on a local wire, and the function that asks their services."""
@@ -91,6 +165,7 @@ def wired(tmp_path, *texts):
         wire.services[name].call(serialize(make(f"{kind}_Request", fields)), replies.append)
         for _ in range(round(seconds / 0.01)):
             twin.advance_to(twin.time + 0.01)
+        seam.flush()
         (reply,) = replies
         return deserialize(f"{kind}_Response", reply)
 
@@ -219,7 +294,7 @@ def test_a_goal_of_a_node_is_canceled_from_the_wire_if_the_node_wants(tmp_path):
         ask("/count/_action/send_goal", {"goal_id": FIRST, "goal": {"order": 3}})
         ask("/count/_action/send_goal", {"goal_id": SECOND, "goal": {"order": 8}})
         refused = ask("/count/_action/cancel_goal", {"goal_info": {"goal_id": FIRST}})
-        assert (refused.return_code, refused.goals_canceling) == (1, [])
+        assert (refused.return_code, refused.goals_canceling) == (0, [])  # as rclpy, where no goal is left
         canceled = ask("/count/_action/cancel_goal", {})
         assert canceled.return_code == 0
         assert [bytes(item.goal_id.uuid) for item in canceled.goals_canceling] == [bytes([2] * 16)]
@@ -229,9 +304,15 @@ def test_a_goal_of_a_node_is_canceled_from_the_wire_if_the_node_wants(tmp_path):
         assert ask("/count/_action/cancel_goal", {"goal_info": {"goal_id": {"uuid": [9] * 16}}}).return_code == 2
 
 
-def test_a_goal_whose_node_ends_is_aborted(tmp_path):
-    with wired(tmp_path, ACTION) as (_, wire, ask):
+def test_an_action_ends_with_its_node_and_answers_no_more(tmp_path):
+    """As in ROS: who waits for the result of a server that has died waits for ever."""
+    with wired(tmp_path, ACTION) as (twin, wire, ask):
         assert ask("/count/_action/send_goal", {"goal_id": FIRST, "goal": {"order": 9}}).accepted
-        assert ask("/count/_action/get_result", {"goal_id": FIRST}, 1.5).status == 6
+        replies = []
+        request = serialize(make(f"{KIND}_GetResult_Request", {"goal_id": FIRST}))
+        wire.services["/count/_action/get_result"].call(request, replies.append)
+        while twin.time < 1.5:
+            twin.advance_to(twin.time + 0.01)
+        assert replies == []
         assert wire.services["/count/_action/send_goal"].is_closed
         assert wire.services["/my/get_parameters"].is_closed

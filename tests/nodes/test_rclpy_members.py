@@ -181,3 +181,82 @@ print([item.level for item in ask("get_logger_levels", GetLoggerLevels.Request(n
 
 def test_the_levels_of_loggers_are_asked_for_and_set(tmp_path, capsys):
     assert ran(tmp_path, capsys, LEVELS, 0.5) == (["[True]", "[40]"], ())
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        "import rclpy\nfrom rclpy.node import Node\n",
+        "import rclpy\nfrom rclpy.action import ActionClient\n",
+        "import rclpy\nfrom rclpy.wait_for_message import wait_for_message\n",
+        "import rclpy\nrclpy.init()\nrclpy.create_node('my')\n",
+    ],
+)
+def test_modules_that_a_node_needs_are_members_of_rclpy_without_an_import(tmp_path, capsys, start):
+    """The modules that `import rclpy.node` loads: the closure of the imports in rclpy 7.1."""
+    names = ["qos", "duration", "time", "clock", "executors", "callback_groups", "exceptions", "logging", "parameter"]
+    text = f"for name in {names}:\n    assert getattr(rclpy, name).__name__ == 'rclpy.' + name\n"
+    file = script(tmp_path, "my.py", start + text + "print(rclpy.qos.QoSProfile(depth=3).depth)\n")
+    with running(file) as twin:
+        twin.advance_to(0.01)
+    assert lines(capsys) == ["3"]
+
+
+def test_modules_that_nothing_has_imported_are_no_members_of_rclpy(tmp_path, capsys):
+    text = """
+import rclpy
+
+for name in ("node", "qos", "serialization", "context", "task"):
+    print(name, hasattr(rclpy, name))
+from rclpy.node import Node
+
+print(hasattr(rclpy, "node"), hasattr(rclpy, "serialization"))
+"""
+    with running(script(tmp_path, "my.py", text)) as twin:
+        twin.advance_to(0.01)
+    found = ["node False", "qos False", "serialization False", "context True", "task True", "True False"]
+    assert lines(capsys) == found
+
+
+def test_a_node_may_use_any_name_that_rclpys_own_leaves_free(tmp_path, capsys):
+    """rclpy/node.py of 7.1 has none of these: a program that has works on a robot, too."""
+    text = """
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from std_msgs.msg import String
+from tf2_msgs.action import LookupTransform
+
+
+class Mine(Node):
+    def __init__(self):
+        super().__init__("mine")
+        for name in ("actions", "entities", "_graph", "_name", "_namespace", "_executor", "_jumps", "_full", "_infos"):
+            setattr(self, name, None)
+        self.declare_parameter("speed", 1.0)
+        self.add_on_set_parameters_callback(lambda items: rclpy.node.SetParametersResult(successful=True))
+        self.client = ActionClient(self, LookupTransform, "look")
+        self.publisher = self.create_publisher(String, "words", 10)
+        self.create_subscription(String, "words", self._take, 10)
+        self.create_timer(0.01, self._looked)
+
+    def _set(self):
+        return "my own"
+
+    def _take(self, message):
+        print(message.data, self._set(), self.get_name(), self.count_publishers("words"))
+        raise SystemExit
+
+    def _looked(self):
+        self.publisher.publish(String(data=f"{self.get_parameter('speed').value}"))
+
+    _added = _removed = _resolved = _expanded = _refusal = _declare = _offers = _known_node = _set
+
+
+rclpy.init()
+rclpy.spin(Mine())
+"""
+    with running(script(tmp_path, "my.py", text)) as twin:
+        twin.advance_to(0.1)
+        assert lines(capsys) == ["1.0 my own mine 1"]
+        assert twin.findings == ()

@@ -34,6 +34,25 @@ def test_a_sleep_takes_simulation_time(tmp_path, capsys):
     assert ran(tmp_path, capsys, "time.sleep(0.3)\nprint(passed())\ntime.sleep(1.2)\nprint(passed())") == ["0.3", "1.5"]
 
 
+def test_clocks_and_locks_may_be_attributes_of_a_class(tmp_path, capsys):
+    """Python's are no functions of its own, which would become methods."""
+    text = """
+import threading, time
+
+class Mine:
+    now, wait, lock_class = time.monotonic, time.sleep, threading.Lock
+
+mine = Mine()
+mine.wait(0.5)
+with mine.lock_class():
+    print(f"{mine.now():.2f}", time.sleep.__name__)
+"""
+    with running(script(tmp_path, "a.py", text)) as twin:
+        twin.advance_to(1.0)
+        assert twin.findings == ()
+    assert lines(capsys) == ["0.50 sleep"]
+
+
 @pytest.mark.parametrize(
     ("timeout", "expected"), [("", ["worked 0.7", "joined 0.7 False"]), ("0.2", ["joined 0.2 True", "worked 0.7"])]
 )

@@ -81,3 +81,39 @@ def test_a_launch_file_whose_nodes_spawn_nothing_still_lacks_a_robot(tmp_path):
     file = package(tmp_path, ["gzserver"], "import rclpy\n\ndef main():\n    rclpy.init()\n")
     with pytest.raises(InputError, match="the launch file starts no robot"):
         launch_file_scenario(file)
+
+
+NODES_ONLY = """
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    return LaunchDescription([Node(package="turtlesim", executable="turtlesim_node"), {more}])
+"""
+
+
+def test_a_launch_file_of_nodes_alone_needs_no_robot(tmp_path):
+    """ROS's tutorials are such: a talker and a listener, or turtlesim and a node that drives its turtles."""
+    file = tmp_path / "turtles.launch.py"
+    file.write_text(NODES_ONLY.format(more='Node(package="turtlesim", executable="mimic")'))
+    with TwinBuilder().launch(file).build() as twin:
+        twin.advance_to(0.1)
+        assert (twin.robots, twin.more_findings) == ((), [])
+        assert "/turtle1/pose" in dict(twin.more_topics.topics())
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        'Node(package="robot_state_publisher", executable="robot_state_publisher")',
+        'Node(package="controller_manager", executable="spawner", arguments=["drive"])',
+        'Node(package="ros_gz_sim", executable="create", arguments=["-topic", "robot_description"])',
+        'ExecuteProcess(cmd=["gz", "sim", "-r", "empty.sdf"])',
+    ],
+)
+def test_nodes_do_not_stand_in_for_a_robot_that_is_asked_for(tmp_path, more):
+    file = tmp_path / "turtles.launch.py"
+    file.write_text(NODES_ONLY.format(more=more))
+    with pytest.raises(InputError, match="the launch file starts no robot"):
+        launch_file_scenario(file)

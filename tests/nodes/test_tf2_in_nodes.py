@@ -1,5 +1,6 @@
 """tf2_ros in node programs beside a twin, in simulated time."""
 
+from node_runs import HEAD, lines, running, script
 from node_scripts import run_script
 
 START = """
@@ -189,3 +190,63 @@ for spin_thread in (False, True):
 """
     assert run_script(tmp_path, START + text) == ""
     assert capsys.readouterr().out.splitlines() == ["2 0", "0 0", "2 1", "0 0"]
+
+
+def test_its_modules_export_what_they_import(tmp_path, capsys):
+    """tf2_ros/__init__.py has star imports of modules without __all__."""
+    text = """
+import geometry_msgs.msg, rclpy.duration, tf2_ros
+from tf2_ros import Duration, TransformBroadcaster, TransformStamped
+print(TransformStamped is geometry_msgs.msg.TransformStamped, Duration is rclpy.duration.Duration)
+print(hasattr(tf2_ros, "Transforms"))
+from tf2_geometry_msgs import PoseStamped
+print(PoseStamped is geometry_msgs.msg.PoseStamped)
+"""
+    with running(script(tmp_path, "a.py", text)) as twin:
+        twin.advance_to(0.1)
+        assert twin.more_findings == []
+    assert lines(capsys) == ["True True", "False", "True"]
+
+
+SPINS = """
+import threading
+from geometry_msgs.msg import TransformStamped
+from tf2_ros import Buffer, TransformBroadcaster, TransformListener
+
+rclpy.init()
+other, node = Node("other"), Node("my")
+broadcaster, buffer = TransformBroadcaster(other), Buffer()
+listener = TransformListener(buffer, node, spin_thread=True)
+pause = lambda: other.get_clock().sleep_for(rclpy.duration.Duration(seconds=0.3))
+
+
+def told():
+    sent = TransformStamped(child_frame_id="base")
+    sent.header.frame_id, sent.transform.rotation.w = "map", 1.0
+    broadcaster.sendTransform(sent)
+    pause()
+    return bool(buffer.can_transform("map", "base", rclpy.time.Time()))
+
+
+where = []
+node.create_timer(0.1, lambda: where.append(threading.current_thread() is threading.main_thread()))
+print(told(), where[-1], len(listener.executor.get_nodes()))
+where.clear()
+rclpy.spin_once(node, timeout_sec=1.0)
+print(where, node.executor is listener.executor, listener.executor.get_nodes())
+buffer.clear()
+print(told())
+soon = Node("soon")
+late = TransformListener(Buffer(), soon, spin_thread=True)
+future = rclpy.Future()
+soon.create_timer(0.1, lambda: future.set_result(threading.current_thread() is threading.main_thread()))
+rclpy.spin_until_future_complete(soon, future)
+print(future.result(), late.executor.get_nodes())
+"""
+
+
+def test_a_listener_that_spins_its_node_and_another_spin_of_it(tmp_path, capsys):
+    """What rclpy 7.1 prints: a spin takes the node from the listener's thread, which hears nothing from then on."""
+    with running(script(tmp_path, "my.py", HEAD + SPINS)) as twin:
+        twin.advance_to(2.0)
+    assert lines(capsys) == ["True False 1", "[True] False []", "False", "True []"]

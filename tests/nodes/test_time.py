@@ -123,6 +123,33 @@ print(round(time.time(), 6))
     assert lines(capsys) == ["1.5 1.5 1500000000 1500000000", "1.5 1.5 True", "1.85"]
 
 
+def test_compiled_modules_get_the_real_class_of_dates(tmp_path, capsys):
+    """What is compiled against Python's own class, as pandas is, derives from it in C: a subclass ends the process."""
+    file = script(
+        tmp_path,
+        "dates.py",
+        """
+import datetime
+import importlib._bootstrap
+import pickle
+
+get = importlib._bootstrap._call_with_frames_removed  # whose frame a compiled module sees at its import
+real = get(getattr, datetime, "datetime")
+made = datetime.datetime(2020, 1, 2, hour=3)
+print(real is not datetime.datetime, real.__basicsize__ == datetime.datetime.__basicsize__)
+print(isinstance(made, real), type(made) is type(datetime.datetime.now()) is datetime.datetime)
+print(pickle.loads(pickle.dumps(datetime.datetime.now())), repr(made), hasattr(datetime, "unknown"))
+""",
+    )
+    with running(file) as twin:
+        twin.advance_to(0.01)
+    assert lines(capsys) == [
+        "True True",
+        "True True",
+        "1970-01-01 00:00:00 datetime.datetime(2020, 1, 2, 3, 0) False",
+    ]
+
+
 def test_other_threads_see_the_real_time(tmp_path):
     import datetime
     import time

@@ -4,7 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from drake_twin.ros2.ros_arguments import RosArguments, ros_arguments, split_ros_arguments
+from drake_twin.ros2.ros_arguments import (
+    RosArguments,
+    RosArgumentsError,
+    check_ros_arguments,
+    ros_arguments,
+    split_ros_arguments,
+)
 
 
 def test_a_command_line_is_split():
@@ -49,3 +55,50 @@ def test_values_are_read_as_they_were_written(value):
 def test_nothing_to_say_needs_no_arguments():
     assert ros_arguments("", "", [], []) == ()
     assert ros_arguments("n", "", [], []) == ("--ros-args", "-r", "__node:=n")
+
+
+def test_names_of_parameters_in_rules_are_those_that_rcl_accepts():
+    """What rcl 9.2 answers to each; `qos_overrides` have a topic's name between dots."""
+    fine = [
+        "a/b",
+        "a./b/c",
+        "a.b",
+        "/a",
+        "a//b",
+        "n:a./b",
+        "a/",
+        "a.b/",
+        "a._b",
+        "a__b",
+        "a./",
+        "qos_overrides./t.publisher.depth",
+    ]
+    bad = [
+        "~a",
+        "~/a",
+        "a..b",
+        "a-b",
+        "a.-b",
+        "a.*",
+        "**",
+        "a.**.b",
+        "a.1",
+        "1a",
+        "a.",
+        "a~b",
+        "{a}",
+        "a./b-c",
+        "a.__b",
+        "__ns",
+        "./a",
+        "a/1",
+        "a/b-c.d",
+    ]
+    found = []
+    for name in (*fine, *bad):
+        try:
+            check_ros_arguments(["--ros-args", "-p", f"{name}:=1"])
+        except RosArgumentsError:
+            continue
+        found.append(name)
+    assert found == fine

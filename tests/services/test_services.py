@@ -329,6 +329,17 @@ def test_the_features_that_the_simulator_has(twin):
 # Gazebo classic and gz ------------------------------------------------------------------------------------------------
 
 
+def test_gazebo_classic_takes_a_names_place_from_the_description(twin):
+    """gazebo_ros_factory.cpp: without a name it is spawned anyway, and Gazebo appends a number as needed."""
+    request = {"name": "", "xml": BOX, "robot_namespace": "", "initial_pose": pose(y=4.0, w=0.0)}
+    for _ in range(2):
+        response = answer(twin, "/spawn_entity", **request, reference_frame="/map")
+        assert response == {"success": True, "status_message": "Successfully sent factory message to Gazebo."}
+    assert answer(twin, "/get_model_list")["model_names"] == ["robot_1", "robot_2", "box", "box_1"]
+    refused = answer(twin, "/spawn_entity", **request | {"xml": "<robot/>"}, reference_frame="")
+    assert refused["status_message"] == ("'' is not a name: use letters from A to Z, digits, '_' and '-', 100 at most.")
+
+
 def test_gazebo_classic(twin):
     request = {"name": "third", "xml": BOX, "robot_namespace": "", "initial_pose": pose(y=4.0, w=0.0)}
     response = answer(twin, "/spawn_entity", **request, reference_frame="world")

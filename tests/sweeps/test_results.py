@@ -7,7 +7,7 @@ from math import isnan, nan
 import pytest
 from sweep_files import hinge_scenario
 
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, RunError
 from drake_twin.sweeps.episode import Sweep, failed
 from drake_twin.sweeps.report import report, sensitivities
 from drake_twin.sweeps.results import Results, check_format, read_table, write_table
@@ -152,6 +152,17 @@ def test_a_journal_that_another_sweep_has_removed_meanwhile_is_opened_again(swee
         results.add(row)
     results.close()
     assert len(read_table(tmp_path / "t.csv")[1]) == len(done(sweep))
+
+
+def test_a_folder_that_is_removed_meanwhile_loses_the_rows_and_says_so(sweep, tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    results = Results(folder / "t.csv", sweep)
+    results.add(done(sweep)[0])
+    (folder / "t.csv.journal").unlink()
+    folder.rmdir()
+    with pytest.raises(RunError, match="its journal is gone, too: the rows are lost"):
+        results.close()
 
 
 def test_unknown_formats_and_folders_are_refused(tmp_path):

@@ -161,3 +161,16 @@ def test_what_was_published_on_schedule_is_not_published_again_when_a_robot_come
     twin.entities.spawn(Robot("new", str(robot), xyz=(0.0, -5.0, 0.0), controllers=(str(controllers),)))
     twin.advance_to(0.6)
     assert valid(twin) == [2.0, 0.0]
+
+
+def test_a_flood_of_commands_between_two_steps_keeps_the_newest_of_each_topic(make):
+    """As in ros2_control, whose controllers have a buffer of one command."""
+    flooded, plain = make(), make()
+    for index in range(3000):
+        flooded.publish(WHEELS, [index * 1e-3, 0.0])
+    plain.publish(WHEELS, [2.999, 0.0])
+    assert len(flooded._session.commands.queue) < 1200
+    for twin in (flooded, plain):
+        twin.step(50)
+    assert valid(flooded) == [2.999, 0.0]
+    assert flooded.state_sha256() == plain.state_sha256()

@@ -295,3 +295,14 @@ def test_cenic_measures_without_delay(turning):
     plain = replace(turning, engine="cenic", time_step=0.01)
     shifted = response(delayed(plain, command_delay=0.05))
     assert shifted[5:] == pytest.approx(response(plain)[:-5], abs=1e-3)
+
+
+def test_a_flood_of_delayed_commands_keeps_the_newest_of_each_moment(turning):
+    flooded, plain = (Twin(delayed(turning, command_delay=0.05)) for _ in range(2))
+    for index in range(3000):
+        flooded.publish(SPEED, [index * 1e-3, 0.0])
+    plain.publish(SPEED, [2.999, 0.0])
+    assert len(flooded._session.commands.delayed) < 1200
+    for twin in (flooded, plain):
+        twin.step(80)
+    assert flooded.state_sha256() == plain.state_sha256()

@@ -73,7 +73,7 @@ def test_random_bytes_and_lengths_that_lie(twin, wire, caplog):
     chance = random.Random(17)
 
     def send():
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             publish = peer.advertise(COMMANDS, ARRAY)
             for _ in range(100):
                 publish(chance.randbytes(chance.randrange(64)))
@@ -99,9 +99,9 @@ def test_what_does_not_speak_the_protocol(twin, wire, caplog):
 
     def send():
         for _ in range(50):
-            with socket.create_connection(("127.0.0.1", wire._server.port)) as other:
+            with socket.create_connection(("127.0.0.1", wire.port)) as other:
                 other.sendall(chance.randbytes(1000) + b"\r\n\r\n")
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             good_command(peer)
 
     while_running(twin, send)
@@ -112,16 +112,16 @@ def test_what_does_not_speak_the_protocol(twin, wire, caplog):
 def test_a_message_of_2_and_one_of_100_megabytes(twin, wire, caplog):
     def send():
         before = memory()
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             peer.advertise(COMMANDS, ARRAY)
             for _ in range(3):
                 peer.do("publishZeros", channel=1, size=2 << 20)
             good_command(peer, 2.5)
         for _ in range(3):
-            with foxglove_client(wire._server.port) as peer:
+            with foxglove_client(wire.port) as peer:
                 peer.do("zeros", size=100 << 20)
                 peer.first("close")  # the server ends the connection
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             good_command(peer)
         return memory() - before
 
@@ -132,7 +132,7 @@ def test_a_message_of_2_and_one_of_100_megabytes(twin, wire, caplog):
 
 def test_a_flood_of_commands(twin, wire):
     def send():
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             good_command(peer)
             before = memory()
             channel = peer.all("advertised")[-1]["channel"]
@@ -146,11 +146,11 @@ def test_a_flood_of_commands(twin, wire):
 
 def test_a_client_that_advertises_without_end(twin, wire, caplog):
     def send():
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             for _ in range(1200):
                 peer.do("advertise", topic=COMMANDS, schemaName=ARRAY, encoding="cdr")
             assert peer.call(SWITCH)["ok"]
-        with foxglove_client(wire._server.port) as peer:  # the room is free again
+        with foxglove_client(wire.port) as peer:  # the room is free again
             good_command(peer)
 
     while_running(twin, send)
@@ -162,7 +162,7 @@ def test_50_clients_come_and_leave(twin, wire):
     """Each leaves without a word, with a subscription, a channel and a call that waits."""
 
     def send():
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             peer.do("joinAndLeave", count=5, topic=STATES, service=SWITCH)
             peer.first("left", count=5)
             before = memory(), threads()
@@ -184,7 +184,7 @@ def test_a_client_that_stops_reading(twin, wire):
     """Its messages are dropped; another client and the simulation do not notice."""
 
     def send():
-        with foxglove_client(wire._server.port) as lazy, foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as lazy, foxglove_client(wire.port) as peer:
             lazy.subscribe(STATES)
             lazy.messages(STATES)
             lazy.do("stopReading")
@@ -206,7 +206,7 @@ def test_what_a_client_that_stops_reading_has_not_read_is_bounded():
     try:
         text = WireEndpoint("/text", "std_msgs/msg/String", "RIHS01_0", "/node", definition="string data")
         sender = wire.advertise(text, lambda is_heard: None)
-        with foxglove_client(wire._server.port) as lazy:
+        with foxglove_client(wire.port) as lazy:
             lazy.subscribe("/text")
             lazy.do("stopReading")
             before = memory()
@@ -227,7 +227,7 @@ def test_what_is_closed_leaves_no_thread_no_port_and_no_request_that_waits():
         with rovers(1).build() as twin:
             seam = connect(twin, [wire])
             answers = wire._servers
-            with foxglove_client(wire._server.port) as peer:
+            with foxglove_client(wire.port) as peer:
                 peer.subscribe(STATES)
                 peer.send_call(SWITCH)  # of a twin that does not run
                 while not (waiting := [server for server in answers if server._waiting]):
@@ -239,7 +239,7 @@ def test_what_is_closed_leaves_no_thread_no_port_and_no_request_that_waits():
                     if waiting[0]._waiting:  # each is taken out in its own thread
                         twin.inbox.wait(0.01)
                 assert waiting[0]._waiting == set()
-        with socket.create_server(("127.0.0.1", wire._server.port)):
+        with socket.create_server(("127.0.0.1", wire.port)):
             pass
 
     def own():

@@ -18,6 +18,7 @@ from wires.mcap_peer import decoded_messages
 
 from drake_twin import InputError, Robot, Twin
 from drake_twin.cli.options import parser
+from drake_twin.errors import RunError
 from drake_twin.run import main
 from drake_twin.wires.bag_wire import BagWire
 from drake_twin.wires.kinds.bag import BagKind
@@ -85,9 +86,10 @@ def test_the_end_of_the_bags_process_does_not_end_the_run(tmp_path, caplog):
         os.kill(wire._process.pid, signal.SIGKILL)
         wire._process.wait()
 
-    assert len(written(tmp_path / "bag", meanwhile=kill)) == 100
+    with pytest.raises(RunError, match="is not complete: its process was killed by signal 9"):  # at the end
+        written(tmp_path / "bag", meanwhile=kill)
     (line,) = caplog.messages
-    assert line.endswith("nothing more is written into it")
+    assert line.endswith("(the run continues, and nothing more is written into the bag)")
 
 
 def test_a_twin_that_is_killed_leaves_a_whole_bag(tmp_path):
@@ -123,7 +125,8 @@ def test_a_bag_whose_writer_is_killed_can_be_read_by_readers_that_stream(tmp_pat
         os.kill(wire._process.pid, signal.SIGKILL)
         wire._process.wait()
 
-    written(tmp_path / "bag", until=30.0, meanwhile=kill)
+    with pytest.raises(RunError, match="killed"):
+        written(tmp_path / "bag", until=30.0, meanwhile=kill)
     found = []
     with (tmp_path / "bag" / "bag.mcap").open("rb") as file, contextlib.suppress(EndOfFile):  # where it is cut off
         found += (1 for record in StreamReader(file).records if isinstance(record, Message))

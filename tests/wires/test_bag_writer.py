@@ -10,11 +10,21 @@ from rosbags.highlevel import AnyReader
 
 from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC, _quality, write_bag
 
+QUALITY = {
+    "latched": False,
+    "depth": 10,
+    "is_best_effort": False,
+    "lifespan": None,
+    "deadline": None,
+    "is_manual": False,
+    "lease": None,
+}
+
 
 @pytest.mark.parametrize(("latched", "depth", "durability"), [(False, 10, "VOLATILE"), (True, 1, "TRANSIENT_LOCAL")])
 def test_a_topic_keeps_its_last_messages_as_deep_as_it_says(latched, depth, durability):
     """As a publisher of rclpy with the profile of this depth, and of ``robot_description``; times without an end."""
-    quality = _quality(latched, depth, None)
+    quality = _quality(**QUALITY | {"latched": latched, "depth": depth})
     assert (quality.history.name, quality.depth, quality.durability.name) == ("KEEP_LAST", depth, durability)
     assert (quality.reliability.name, quality.liveliness.name) == ("RELIABLE", "AUTOMATIC")
     forever = {
@@ -22,17 +32,29 @@ def test_a_topic_keeps_its_last_messages_as_deep_as_it_says(latched, depth, dura
     }
     assert forever == {(2**31 - 1, 2**32 - 1)}  # DDS's Duration_t of infinity
     assert not quality.avoid_ros_namespace_conventions
-    lifespan = _quality(latched, depth, 2.5).lifespan
-    assert (lifespan.sec, lifespan.nsec) == (2, 500_000_000)
+
+
+@pytest.mark.parametrize(
+    ("given", "name", "expected"),
+    [
+        ({"lifespan": 2.5}, "lifespan", (2, 500_000_000)),
+        ({"deadline": 0.25}, "deadline", (0, 250_000_000)),
+        ({"lease": 3.0}, "liveliness_lease_duration", (3, 0)),
+        ({"is_best_effort": True}, "reliability", "BEST_EFFORT"),
+        ({"is_manual": True}, "liveliness", "MANUAL_BY_TOPIC"),
+        ({"depth": 0}, "history", "KEEP_ALL"),
+    ],
+)
+def test_a_topic_keeps_what_its_publisher_offers(given, name, expected):
+    found = getattr(_quality(**QUALITY | given), name)
+    assert (found.name if isinstance(expected, str) else (found.sec, found.nsec)) == expected
 
 
 CHATTER = {
     "name": "/chatter",
     "type": "std_msgs/msg/String",
     "definition": "string data\n",
-    "latched": False,
-    "depth": 10,
-    "lifespan": None,
+    "quality": QUALITY,
     "hash": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",  # of rosidl
 }
 
@@ -66,5 +88,5 @@ def test_its_process_writes_a_bag_of_the_distribution_whose_messages_it_has(tmp_
     words = [sys.executable, "-m", "drake_twin.wires.bag_writer", str(tmp_path / "bag")]
     assert subprocess.run(words, input=stream, timeout=60).returncode == 0
     assert "ros_distro: jazzy\n" in (tmp_path / "bag" / "metadata.yaml").read_text()
-    again = subprocess.run(words, input=stream, timeout=60, stderr=subprocess.PIPE, text=False)
-    assert (again.returncode, again.stderr.decode()) == (1, f"the bag {words[-1]} ends here: {words[-1]} exists\n")
+    again = subprocess.run(words, input=stream, timeout=60, stdout=subprocess.PIPE, text=False)
+    assert (again.returncode, again.stdout.decode()) == (1, f"{words[-1]} exists\n")

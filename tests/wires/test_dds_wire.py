@@ -19,7 +19,7 @@ from drake_twin.messages import float64_multi_array
 from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.services.graph import connect
 from drake_twin.twin.replay import replay
-from drake_twin.wires.dds_endpoints import quality, writer
+from drake_twin.wires.dds_endpoints import quality, reader, writer
 from drake_twin.wires.dds_wire import DdsWire
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TYPE,
@@ -237,6 +237,35 @@ def test_a_message_of_another_participant_is_heard_while_its_end_is_open(monkeyp
     finally:
         talkers.clear()
         wire.close()
+
+
+@pytest.mark.parametrize(
+    ("offered", "requested"),
+    [
+        ({}, {"deadline": 0.5}),
+        ({"deadline": 0.5}, {"deadline": 0.2}),
+        ({}, {"is_manual": True}),
+        ({"lease": 2.0}, {"lease": 1.0}),
+        ({"is_best_effort": True}, {}),
+    ],
+)
+def test_who_offers_less_than_is_requested_is_not_heard(offered, requested):
+    """As between two nodes of ROS: DDS's RxO rules (OMG DDS 1.4, 2.2.3)."""
+    from cyclonedds.core import Qos
+    from cyclonedds.domain import DomainParticipant
+
+    kind, told, readers, wire = "std_msgs/msg/String", [], [], DdsWire(DOMAIN)
+    listener = DomainParticipant(DOMAIN, Qos())
+    try:
+        for name, more in (("/less", offered), ("/same", requested)):
+            topic = WireEndpoint(name, kind, "", "/talker", **more)
+            wire.advertise(topic, lambda is_heard, name=name: told.append(name))
+            readers.append(reader(listener, topic_name(name), kind, quality(b"", **requested)))
+        until(lambda: told)
+    finally:
+        readers.clear()
+        wire.close()
+    assert set(told) == {"/same"}
 
 
 def test_the_ends_of_a_closed_wire_send_nothing_and_can_be_closed():

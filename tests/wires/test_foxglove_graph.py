@@ -38,7 +38,7 @@ def test_a_client_sees_the_nodes_of_what_is_published_heard_and_served():
         def watch(has):
             return lambda peer: peer.wait_for(lambda events: has(graph_of(events)) and graph_of(events))
 
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             peer.first("serverInfo")
             peer.do("watchGraph")
             found = while_running(twin, lambda: watch(lambda graph: graph["published"])(peer))

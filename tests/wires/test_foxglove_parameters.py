@@ -31,7 +31,7 @@ def asked(shown, work):
     twin, wire, _ = shown
 
     def do():
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             return work(peer)
 
     return while_running(twin, do)
@@ -113,7 +113,7 @@ def test_each_type_is_read_and_set_as_what_it_is(caplog):
     new = {"flag": False, "count": -4, "rate": 3, "name": "5", "bytes": "AAE=", "steps": [], "gains": [2, 3]}
     types = {"bytes": "byte_array"}  # others follow from the value; whole numbers from what the parameter is
     try:
-        with foxglove_client(wire._server.port) as peer:
+        with foxglove_client(wire.port) as peer:
             assert peer.parameters() == {f"{NODE}.{name}": value for name, value in old.items()}
             wanted = [
                 {"name": f"{NODE}.{name}", "value": value} | ({"type": types[name]} if name in types else {})

@@ -37,7 +37,7 @@ class Shown:
         self.seam = connect(twin, [self.wire])
 
     def peer(self):
-        return foxglove_client(self.wire._server.port)
+        return foxglove_client(self.wire.port)
 
     def run(self, work, **more):
         """Run the twin while a peer works; return what the work returns."""

@@ -3,6 +3,7 @@
 import pytest
 from conftest import rovers
 from nodes.node_runs import HEAD, script
+from waiting import until
 from wires.ros_client import ros_client, while_running
 from wires.zenoh_peer import free_port, peer, tokens
 
@@ -38,6 +39,37 @@ class My(Node):
 
 rclpy.init()
 rclpy.spin(My())
+"""
+
+
+ASKING = f"""{HEAD}
+from rclpy.action import ActionClient
+from example_interfaces.action import Fibonacci
+
+rclpy.init()
+node = Node("asking")
+client = ActionClient(node, Fibonacci, "/lab/count")
+client.wait_for_server()
+
+
+def say(*words):
+    with open(__file__ + ".said", "a") as file:
+        print(*words, file=file)
+
+
+def wait(future):
+    rclpy.spin_until_future_complete(node, future)
+    return future.result()
+
+
+def hear(message):
+    say("feedback:", *message.feedback.sequence)
+
+
+goal = wait(client.send_goal_async(Fibonacci.Goal(order=3), hear))
+result = wait(goal.get_result_async())
+say("result:", result.status, *result.result.sequence)
+say("too late:", wait(goal.cancel_goal_async()).return_code)
 """
 
 
@@ -86,6 +118,28 @@ def test_a_nodes_action_is_followed_from_outside(twin, port):
         [0, 1, 1, 2, 3, 5],
     ]
     assert [item.status_list[0].status for item in statuses][-1] == 4
+
+
+def test_a_node_asks_an_action_of_another_twin(twin, port, tmp_path):
+    """The codes are action_msgs's: 4 is a goal that has succeeded, 3 a cancel for one that has ended."""
+    node = script(tmp_path, "asking.py", ASKING)
+    said = node.with_name(f"{node.name}.said")
+
+    def ask():
+        with rovers(1).node(node).build() as other:
+            seam = connect(other, [ZenohWire(domain=DOMAIN, port=port)], other.companions[0])
+            try:
+                while_running(other, lambda: until(lambda: said.exists() and "too late" in said.read_text()))
+            finally:
+                seam.close()
+
+    while_running(twin, ask)
+    assert said.read_text().splitlines() == [
+        "feedback: 0 1 1",
+        "feedback: 0 1 1 2",
+        "result: 4 0 1 1 2",
+        "too late: 3",
+    ]
 
 
 def test_a_node_is_on_the_graph_with_its_name_until_it_ends(twin, port):

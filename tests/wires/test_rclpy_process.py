@@ -93,6 +93,15 @@ def test_a_middleware_that_is_missing_is_told(sourced, capsys, monkeypatch):
     assert "(Expected RMW implementation identifier of 'rmw_foo_cpp' but" in text
 
 
+def test_a_reason_that_is_only_printed_is_told(sourced, capsys, monkeypatch):
+    monkeypatch.setenv("CYCLONEDDS_URI", "<nonsense")
+    text = refused(capsys, "--robots", 1, "--ros", "rclpy")
+    assert "RCLError: error creating node: error not set; before, it has printed: 1795774557.250770 [81]" in text
+    assert text.endswith(
+        "config: //CycloneDDS/Domain/#text: parser error expecting '/>' or '>' () at line 1 (line 1).\n"
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [

@@ -97,6 +97,21 @@ def test_names_in_namespaces_have_no_slash_in_a_token():
     )
 
 
+@pytest.mark.parametrize(
+    ("qos", "text"),
+    [
+        (Qos(is_reliable=False), "2:2:1,10:,:,:,,"),
+        (Qos(depth=0), "1:2:2,:,:,:,,"),
+        (Qos(deadline=250_000_000, lifespan=2_000_000_005), "1:2:1,10:0,250000000:2,5:,,"),
+        (Qos(is_manual=True, lease=3 * 10**9), "1:2:1,10:,:,:3,3,0"),
+    ],
+)
+def test_the_quality_of_service_in_a_token(qos, text):
+    """In the order of rmw_zenoh_cpp's ``qos_to_keyexpr``, with the numbers of rmw/types.h."""
+    assert str(qos) == text
+    assert Qos.of(text) == qos
+
+
 def test_a_key_keeps_the_slashes_within_a_name():
     assert topic_key(12, "/robot_1/tf_static", "tf2_msgs/msg/TFMessage", NO_HASH) == (
         "12/robot_1/tf_static/tf2_msgs::msg::dds_::TFMessage_/TypeHashNotSupported"

@@ -3,6 +3,7 @@
 import logging
 import struct
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
 from drake_twin.messages.draft import Drafter
 from drake_twin.messages.interface_types import make, serialize
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
+from drake_twin.twin.inbox import MOST_BYTES
 from drake_twin.twin.replay import replay
 from drake_twin.wires.seam import Seam
 
@@ -241,6 +243,20 @@ def response(replies):
     return found.success, found.message
 
 
+def test_large_messages_that_wait_do_not_fill_the_memory(wired):
+    """Those of a topic that are older than the newest make room."""
+    twin, _, _ = wired
+    done, size = [], MOST_BYTES // 4
+    for number in range(8):
+        twin.inbox.put(partial(done.append, number), "/camera", size=size)
+    twin.inbox.put(partial(done.append, "small"), "/small")
+    assert sum(item.size for item in twin.inbox._waiting) <= MOST_BYTES + size
+    twin.inbox.look()
+    assert done[-2:] == [7, "small"]
+    assert len(done) < 8
+    assert twin.inbox.put(done.clear, "/camera", size=size)  # there is room again
+
+
 def test_services_answer_at_a_step_or_between_advances_and_later():
     twin, wire = rovers(1).build(), LocalWire()
 
@@ -263,17 +279,20 @@ def test_services_answer_at_a_step_or_between_advances_and_later():
     twin.advance_to(0.1)
     replies = {name: asked(wire, name, True) for name in ("/now", "/later", "/refused")}
     twin.advance_to(0.2)
+    seam.flush()
     assert response(replies["/now"]) == (True, "0.100")
     assert response(replies["/later"])[0]
     assert response(replies["/refused"]) == (False, "not today.")
     reset = asked(wire, "/between", True)
     assert reset == []
     twin.advance_to(0.1)
+    seam.flush()
     assert response(reset)[0]
     assert twin.time == pytest.approx(0.1)
     twin.pause()
     paused = asked(wire, "/now", False)
     twin.inbox.work()
+    seam.flush()
     assert response(paused) == (False, "0.100")
     seam.close()
 
@@ -320,6 +339,9 @@ class OfNodes:
     def loaded(self, twin):
         return self.names
 
+    def absent(self, twin):
+        return ()
+
     def wanted(self):
         return [Echo(name, None) for name in self.names]
 
@@ -330,6 +352,9 @@ class OfNodes:
         return ()
 
     news = topics
+
+    def proceed(self):
+        pass
 
 
 def test_services_of_other_programs_are_looked_for_and_told_in_the_thread_that_advances():

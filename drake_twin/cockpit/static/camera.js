@@ -48,11 +48,12 @@ export class Camera {
 
   state({ followed }) {
     if (this.isSettled) return;
-    // Meshes are loaded one by one, robots come, the pane changes its size: fit again, until somebody moves the camera.
+    // Meshes are loaded one by one, robots come and drive away, the pane changes its size: fit again, until somebody moves
+    // the camera.
     const drawn = this.tools?.measure(this.names);
     if (!drawn) return;
     this.isSettled = Boolean(followed) || drawn.isTouched;
     const key = `${drawn.meshes} ${drawn.aspect}`;
-    if (!this.isSettled && key !== this.fitted && this.fit()) this.fitted = key;
+    if (!this.isSettled && (key !== this.fitted || !this.tools.areSeen(this.names)) && this.fit()) this.fitted = key;
   }
 }

@@ -7,6 +7,7 @@ import { Poses } from "./poses.js";
 
 const STATES = ["position", "velocity", "effort"]; // fields of a JointState
 
+const FEW = 3; // robots: more are folded, and have a filter
 const LOOK = 1000; // ms between two requests for efforts
 
 function shortName(joint, robot) {
@@ -201,6 +202,25 @@ export class Robots {
     this.teleop = teleop;
     this.detailss = new Map();
     this.asked = -Infinity; // when efforts were asked for
+    $("robots-filter").addEventListener("input", () => this.filter());
+    $("robots-filter").addEventListener("keydown", (event) => {
+      if (event.key !== "Enter") return;
+      event.preventDefault(); // it would fold what it opens
+      this.openFirst();
+    });
+  }
+
+  // Show the robots whose names have what is in the filter.
+  filter() {
+    const wanted = $("robots-filter").value.trim().toLowerCase();
+    for (const [name, { folder }] of this.detailss) folder.node.hidden = !name.toLowerCase().includes(wanted);
+  }
+
+  openFirst() {
+    const first = [...$("robots").children].find((node) => !node.hidden)?.querySelector("details");
+    if (!first) return;
+    first.open = true;
+    first.querySelector("summary").focus();
   }
 
   structure({ robots, display_only: displayOnly }) {
@@ -214,11 +234,15 @@ export class Robots {
     for (const robot of robots) {
       if (!this.detailss.has(robot.name)) {
         const folder = new RobotFolder(robot, { ask: this.ask, teleop: this.teleop, displayOnly });
-        if (robots.length > 3) folder.details.open = false;
+        if (robots.length > FEW) folder.details.open = false;
         this.detailss.set(robot.name, { folder, text: JSON.stringify(robot) });
       }
       $("robots").append(this.detailss.get(robot.name).folder.node);
     }
+    const filter = $("robots-filter");
+    filter.hidden = robots.length <= FEW;
+    if (filter.hidden) filter.value = "";
+    this.filter();
   }
 
   state(state) {

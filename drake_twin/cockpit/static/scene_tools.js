@@ -7,6 +7,8 @@ const CLICK = 4; // pixels that the pointer may move in a click
 const GLOW = new THREE.Color(0x2563a8);
 const PULL = 33; // ms between two requests while a link is dragged
 const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this radius
+const MARGIN = 1.25; // of the picture to what it shows
+const EDGE = 0.9; // of half the picture: what is farther out leaves it
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
 class SceneTools {
@@ -30,7 +32,7 @@ class SceneTools {
     this.pane.addEventListener("pointerup", (event) => this.release(event), true);
     this.pane.addEventListener("pointercancel", () => this.cancel(), true);
     this.selected = []; // the paths that glow
-    this.names = new Map(); // path of a robot → its label
+    this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
       this.placeNames();
@@ -244,20 +246,44 @@ class SceneTools {
   // world; false if nothing is drawn there yet.
   fit(paths, direction) {
     viewer.scene.updateMatrixWorld(true); // nothing may have been rendered yet
-    const box = this.boxOf(paths);
-    if (!box || viewer.camera.aspect <= 0) return false;
-    const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
-    const target = center;
+    const boxes = paths.map((path) => this.boxOf([path])).filter((box) => box);
+    if (!boxes.length || viewer.camera.aspect <= 0) return false;
+    const all = boxes.reduce((one, other) => one.clone().union(other));
+    const target = all.getCenter(new THREE.Vector3());
     const [x, y, z] = direction ?? [];
     const from = direction ? new THREE.Vector3(x, z, -y) : viewer.camera.position.clone().sub(viewer.controls.target);
-    const height = (viewer.camera.fov * Math.PI) / 360;
-    const width = Math.atan(Math.tan(height) * viewer.camera.aspect);
-    const distance = Math.max(radius, SMALLEST) / Math.sin(Math.min(height, width));
+    from.normalize();
     viewer.controls.target.copy(target);
-    viewer.camera.position.copy(target).addScaledVector(from.normalize(), distance);
+    viewer.camera.position.copy(target).addScaledVector(from, this.distanceTo(boxes, target, from));
     viewer.controls.update();
     viewer.set_dirty();
     return true;
+  }
+
+  // How far from a target a camera that looks at it from a direction sees the corners of boxes, with a margin.
+  distanceTo(boxes, target, from) {
+    const height = Math.tan((viewer.camera.fov * Math.PI) / 360) / MARGIN;
+    const width = height * viewer.camera.aspect;
+    const axes = new THREE.Matrix4().lookAt(from, new THREE.Vector3(), new THREE.Vector3(0, 1, 0)).transpose();
+    let distance = SMALLEST / Math.min(height, width);
+    for (const { min, max } of boxes) {
+      for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z]) {
+        const corner = new THREE.Vector3(x, y, z).sub(target).applyMatrix4(axes);
+        distance = Math.max(distance, corner.z + Math.abs(corner.x) / width, corner.z + Math.abs(corner.y) / height);
+      }
+    }
+    return distance;
+  }
+
+  // Whether the first links of these robots are in the picture.
+  areSeen(paths) {
+    viewer.camera.updateMatrixWorld();
+    return paths.every((path) => {
+      const link = this.object(path)?.children[0];
+      if (!link) return true;
+      const { x, y, z } = link.getWorldPosition(new THREE.Vector3()).project(viewer.camera);
+      return Math.abs(x) < EDGE && Math.abs(y) < EDGE && z < 1;
+    });
   }
 
   // The canvas, with the present picture on it until the next frame.
@@ -281,26 +307,47 @@ class SceneTools {
 
   // Show the names of these robots above them, and no others.
   showNames(names) {
-    for (const label of this.names.values()) label.remove();
+    for (const { label } of this.names.values()) label.remove();
     this.names.clear();
     for (const name of names) {
       const label = document.createElement("div");
       label.className = "name";
       label.textContent = name;
       document.body.append(label);
-      this.names.set(name, label);
+      this.names.set(name, { label, width: label.offsetWidth, height: label.offsetHeight, top: null });
     }
     viewer.set_dirty();
   }
 
+  // Place the names; of those that would overlap, the nearest robot's is shown.
   placeNames() {
-    for (const [path, label] of this.names) {
-      const box = this.boxOf([path]);
-      const top = box?.getCenter(new THREE.Vector3()).setY(box.max.y);
-      const at = top && this.onPicture(this.twin.worldToLocal(top).toArray());
-      label.hidden = !at?.isAhead;
-      if (at) label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
+    if (!this.names.size) return;
+    const eye = viewer.camera.getWorldPosition(new THREE.Vector3());
+    const found = [...this.names].map(([path, name]) => {
+      const top = this.topOf(path);
+      return { ...name, at: top && this.onPicture(this.twin.worldToLocal(top.clone()).toArray()), distance: top?.distanceTo(eye) };
+    });
+    const shown = [];
+    for (const { label, width, height, at } of found.sort((one, other) => one.distance - other.distance)) {
+      const isFree = at?.isAhead && shown.every(({ at: { x, y }, width: other }) => Math.abs(at.x - x) > (width + other) / 2 || Math.abs(at.y - y) > height);
+      label.hidden = !isFree;
+      if (!isFree) continue;
+      shown.push({ at, width });
+      label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
     }
+  }
+
+  // Where a robot's name is: above its first link, by the robot's height when it was named.
+  topOf(path) {
+    const link = this.object(path)?.children[0];
+    if (!link) return null;
+    const at = link.getWorldPosition(new THREE.Vector3());
+    const known = this.names.get(path);
+    if (known.top === null) {
+      const box = this.boxOf([path]);
+      if (box) known.top = box.max.y - at.y;
+    }
+    return at.setY(at.y + (known.top ?? 0));
   }
 
   // Tint what is at these paths, and nothing else.

@@ -5,7 +5,6 @@ Names and behaviour are rclpy's of Jazzy; docstrings say what differs.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 from drake_twin.nodes.rclpy.context import Context, default_context
 from drake_twin.nodes.rclpy.executors import Executor, SingleThreadedExecutor
@@ -18,6 +17,7 @@ from drake_twin.nodes.rclpy.signals import (
 )
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown
+from drake_twin.nodes.stand_ins import imported
 from drake_twin.nodes.task import present_task
 
 __all__ = [
@@ -82,9 +82,35 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     context.shutdown()
 
 
-def create_node(node_name: str, **options: Any) -> Node:
+def create_node(
+    node_name: str,
+    *,
+    context: Context | None = None,
+    cli_args: list[str] | None = None,
+    namespace: str | None = None,
+    use_global_arguments: bool = True,
+    enable_rosout: bool = True,
+    start_parameter_services: bool = True,
+    parameter_overrides: list[Parameter] | None = None,
+    allow_undeclared_parameters: bool = False,
+    automatically_declare_parameters_from_overrides: bool = False,
+    enable_logger_service: bool = False,
+) -> Node:
     """Return a new node."""
-    return Node(node_name, **options)
+    imported("rclpy.node")  # as rclpy's own does here
+    return Node(
+        node_name,
+        context=context,
+        cli_args=cli_args,
+        namespace=namespace,
+        use_global_arguments=use_global_arguments,
+        enable_rosout=enable_rosout,
+        start_parameter_services=start_parameter_services,
+        parameter_overrides=parameter_overrides,
+        allow_undeclared_parameters=allow_undeclared_parameters,
+        automatically_declare_parameters_from_overrides=automatically_declare_parameters_from_overrides,
+        enable_logger_service=enable_logger_service,
+    )
 
 
 def get_global_executor() -> Executor:

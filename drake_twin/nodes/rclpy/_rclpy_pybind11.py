@@ -1,7 +1,21 @@
-"""Stand-in for ``rclpy._rclpy_pybind11``: the exceptions that rclpy's C++ raises, and the policies that it names."""
+"""Stand-in for ``rclpy._rclpy_pybind11``: the exceptions of rclpy's C++, its entities for waitables, and the
+policies that it names.
+"""
 
 import builtins
 from enum import IntEnum
+from importlib import import_module
+from typing import Any
+
+_ENTITIES = ("Client", "GuardCondition", "Service", "Subscription", "Timer")
+
+
+def __getattr__(name: str) -> Any:
+    if name in _ENTITIES:  # imported late, since they need this module
+        return getattr(import_module("drake_twin.nodes.rclpy.native_entities"), name)
+    if name == "rmw_qos_profile_t":
+        return import_module("drake_twin.nodes.rclpy.qos_profiles").rmw_qos_profile_t
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 class RCLError(RuntimeError):

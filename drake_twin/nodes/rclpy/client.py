@@ -7,7 +7,8 @@ from typing import Any, TypeVar
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Caller
-from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.handle import Handle
+from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.service_introspection import Introspection
 from drake_twin.nodes.rclpy.task import Future
 from drake_twin.nodes.simulated_time import wait_until

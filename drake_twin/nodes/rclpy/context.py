@@ -4,7 +4,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
+from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+from drake_twin.nodes.rclpy.handle import Handle
 from drake_twin.nodes.rclpy.logging import get_logging_severity_from_string, set_logger_level
 from drake_twin.nodes.task import here, present_task
 from drake_twin.ros2.ros_arguments import (
@@ -24,6 +25,7 @@ class Context:
         self._domain_id = 0
         self.arguments = RosArguments(())
         self._callbacks: list[Callable[[], Any]] = []
+        self._handle = Handle()
 
     def init(
         self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
@@ -76,8 +78,8 @@ class Context:
         """Do nothing more: it has no other resources than those that end with it."""
 
     @property
-    def handle(self) -> "Context":
-        return self
+    def handle(self) -> Handle:
+        return self._handle
 
     def __enter__(self) -> "Context":
         self.init()
@@ -97,7 +99,8 @@ def checked_arguments(words: Sequence[str], error_class: type[RCLError]) -> RosA
     try:
         check_ros_arguments(words)
     except RosArgumentsError as error:
-        raise error_class(f"failed to initialize rcl: {error}") from None
+        what = "Failed to parse ROS arguments" if error_class is RCLInvalidROSArgsError else "failed to initialize rcl"
+        raise error_class(f"{what}: {error}") from None
     except UnknownRosArgumentsError as error:
         raise UnknownROSArgsError(str(error)) from None
     return split_ros_arguments(words)

@@ -3,14 +3,17 @@
 import inspect
 import warnings
 from collections import deque
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from math import inf
 from typing import Any
 
 from drake_twin.nodes.rclpy.context import default_context
+from drake_twin.nodes.rclpy.coroutines import await_or_execute as await_or_execute
+from drake_twin.nodes.rclpy.coroutines import followed, result_of
 from drake_twin.nodes.rclpy.logging import RcutilsLogger
 from drake_twin.nodes.rclpy.task import Future, Task
+from drake_twin.nodes.rclpy.timer import Timer
 from drake_twin.nodes.task import Task as Thread
 from drake_twin.nodes.task import present_task
 
@@ -37,7 +40,15 @@ class TimeoutObject:
     """A wait that may take too long."""
 
     def __init__(self, timeout: float) -> None:
-        self.timeout = timeout
+        self._timeout = timeout
+
+    @property
+    def timeout(self) -> float:
+        return self._timeout
+
+    @timeout.setter
+    def timeout(self, timeout: float) -> None:
+        self._timeout = timeout
 
 
 class Executor:
@@ -141,13 +152,20 @@ class Executor:
             ShutdownException: If the executor has been shut down.
             ExternalShutdownException: If the context has been shut down.
         """
-        return self._wait_for_ready_callbacks(*args, **kwargs)
+        return next(self._wait_for_ready_callbacks(*args, **kwargs))
 
     def _wait_for_ready_callbacks(
         self,
         timeout_sec: Any = None,
         nodes: Sequence[Any] | None = None,
         condition: Callable[[], bool] = lambda: False,
+    ) -> Iterator[tuple[Task, Any, Any]]:
+        """Yield what there is to do, each time waiting as `wait_for_ready_callbacks` does."""
+        while True:
+            yield self._ready_callback(timeout_sec, nodes, condition)
+
+    def _ready_callback(
+        self, timeout_sec: Any, nodes: Sequence[Any] | None, condition: Callable[[], bool]
     ) -> tuple[Task, Any, Any]:
         work = self._next_work(_nanoseconds(timeout_sec), condition, self._nodes if nodes is None else nodes)
         if isinstance(work, Task):
@@ -158,7 +176,7 @@ class Executor:
             self._given.remove(work)
             return self._begun(work) if work.callback_group.beginning_execution(work) else None
 
-        node = next((node for node in self._nodes if work in node.entities), None)
+        node = next((node for node in self._nodes if work in node.handle.entities), None)
         task = self.create_task(begin)
         return task, getattr(work, "waitable", work), node
 
@@ -190,28 +208,34 @@ class Executor:
 
     def _has_work(self, nodes: Sequence[Any]) -> bool:
         """Return whether anything can be done."""
-        return any(task.is_ready() for task in self._tasks) or any(
-            entity.is_ready() and self.can_execute(entity) for node in nodes for entity in node.entities
-        )
+        for node in nodes:
+            for entity in node.handle.entities:
+                if entity.is_ready() and self.can_execute(entity):
+                    return True
+        return bool(self._tasks) and any(task.is_ready() for task in self._tasks)
 
     def _taken(self, nodes: Sequence[Any]) -> Any:
         """Return what is to be done next, a task or an entity; None without anything."""
-        for _ in range(3):
+        for begins in (False, True, True):
+            if begins:
+                self._has_done_tasks = not self._has_done_tasks
+                if not self._has_done_tasks:
+                    self._round += [entity for node in nodes for entity in node.handle.entities if entity.is_ready()]
+                elif self._tasks:
+                    self._round += [task for task in reversed(self._tasks) if task.is_ready()]
             while self._round:
                 work = self._round.popleft()
                 if work.is_ready() and (isinstance(work, Task) or self.can_execute(work)):
                     return work
-            self._has_done_tasks = not self._has_done_tasks
-            if self._has_done_tasks:
-                self._round += [task for task in reversed(self._tasks) if task.is_ready()]
-            else:
-                self._round += [entity for node in nodes for entity in node.entities if entity.is_ready()]
+        self._has_done_tasks = True  # after the wait that follows, entities are first
         return None
 
     def _due(self, nodes: Sequence[Any]) -> float:
         due = inf
         for node in nodes:
-            for timer in node.timers:
+            for timer in node.handle.entities:
+                if not isinstance(timer, Timer):  # they are before all others
+                    break
                 if (own := timer.due()) < due and timer.callback_group.can_execute(timer):
                     due = own
         return due
@@ -226,8 +250,8 @@ class Executor:
             self._run_task(work)
             return
         found = self._begun(work)
-        if inspect.iscoroutine(found):
-            self._run_task(self.create_task(_result_of, found))
+        if found is not None and inspect.iscoroutine(found):
+            self._run_task(self.create_task(result_of, found))
 
     def _begun(self, work: Any) -> Any:
         """Do one thing of an entity that its group has let begin; return a coroutine if it has to be awaited."""
@@ -237,8 +261,8 @@ class Executor:
         except BaseException:
             group.ending_execution(work)
             raise
-        if inspect.iscoroutine(found):
-            return _followed(found, lambda: group.ending_execution(work))
+        if found is not None and inspect.iscoroutine(found):
+            return followed(found, lambda: group.ending_execution(work))
         group.ending_execution(work)
         return found
 
@@ -374,15 +398,3 @@ def _nanoseconds(timeout: Any) -> float:
     """Return a timeout (s), which may be a `TimeoutObject`, in ns; infinite for None or a negative one."""
     seconds = timeout.timeout if isinstance(timeout, TimeoutObject) else timeout
     return inf if seconds is None or seconds < 0 else float(seconds * 1e9)
-
-
-async def _result_of(coroutine: Coroutine[Any, Any, Any]) -> Any:
-    return await coroutine
-
-
-async def _followed(coroutine: Coroutine[Any, Any, Any], end: Callable[[], None]) -> Any:
-    """Await what a callback returns, and call something at its end."""
-    try:
-        return await coroutine
-    finally:
-        end()

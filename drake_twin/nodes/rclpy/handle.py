@@ -49,21 +49,3 @@ class Handle:
 
     def __exit__(self, *_: object) -> None:
         pass
-
-
-class NodeHandle(Handle):
-    """What a node is on the graph.
-
-    Args:
-        node: Its `drake_twin.nodes.rclpy.node.Node`.
-        graph: The graph.
-        end: Takes it back from the graph.
-
-    Attributes:
-        node: The node.
-        graph: The graph.
-    """
-
-    def __init__(self, node: Any, graph: Any, end: Callable[[], Any]):
-        super().__init__(end, node._full, node._full.strip("/").replace("/", "."))
-        self.node, self.graph = node, graph

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from drake_twin.nodes.action_graph import ActionGraph
-from drake_twin.nodes.graph import Graph
 from drake_twin.nodes.rclpy._rclpy_pybind11 import InvalidHandle, RCLError, RCLInvalidROSArgsError
 from drake_twin.nodes.rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from drake_twin.nodes.rclpy.client import Client, ClientHandle
@@ -13,17 +11,17 @@ from drake_twin.nodes.rclpy.clock import Clock, Jumps, ROSClock
 from drake_twin.nodes.rclpy.context import Context, checked_arguments, default_context
 from drake_twin.nodes.rclpy.exceptions import NotInitializedException
 from drake_twin.nodes.rclpy.guard_condition import GuardCondition
-from drake_twin.nodes.rclpy.handle import NodeHandle
 from drake_twin.nodes.rclpy.logging import RcutilsLogger, end_lines, publish_lines
 from drake_twin.nodes.rclpy.logging_service import LoggingService
-from drake_twin.nodes.rclpy.names import check_name, check_namespace, check_node_name, expanded_name
+from drake_twin.nodes.rclpy.names import check_name, check_namespace, check_node_name
 from drake_twin.nodes.rclpy.node_graph import NodeGraph
+from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.node_parameters import NodeParameters
 from drake_twin.nodes.rclpy.parameter import Parameter
 from drake_twin.nodes.rclpy.parameter_ranges import PARAM_REL_TOL
 from drake_twin.nodes.rclpy.parameter_service import ParameterService
 from drake_twin.nodes.rclpy.publisher import Publisher, PublisherHandle
-from drake_twin.nodes.rclpy.qos_overriding_options import override_by_parameters
+from drake_twin.nodes.rclpy.qos_overriding_options import _declare_qos_parameters
 from drake_twin.nodes.rclpy.qos_profiles import profile_of, qos_profile_services_default
 from drake_twin.nodes.rclpy.service import Service, ServiceHandle
 from drake_twin.nodes.rclpy.subscription import Subscription, SubscriptionHandle
@@ -31,8 +29,6 @@ from drake_twin.nodes.rclpy.timer import Rate, Timer
 from drake_twin.nodes.rclpy.type_description_service import TypeDescriptionService
 from drake_twin.nodes.rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from drake_twin.nodes.rclpy.waitable import Waitable, Waiting
-from drake_twin.nodes.task import present_task
-from drake_twin.ros2.launched import remapped
 from drake_twin.ros2.ros_arguments import RosArguments, parameters_of
 from drake_twin.twin.event_topics import PARAMETER_EVENTS
 
@@ -65,29 +61,28 @@ class Node(NodeParameters, NodeGraph):
         self._context: Any = default_context() if context is None else context
         if not self._context.is_valid:
             raise NotInitializedException("cannot create node")
-        program = present_task().program
         own = checked_arguments(cli_args or (), RCLInvalidROSArgsError)
         of_all = self._context.arguments if use_global_arguments else RosArguments(())
-        self._arguments = arguments = own.before(of_all)
-        self._name = check_node_name(node_name)
-        self._namespace = check_namespace(namespace or "")
-        self._name = arguments.name_for(self._name) or self._name
-        self._namespace = arguments.namespace_for(check_node_name(node_name)) or self._namespace
-        self._full = f"{self._namespace.rstrip('/')}/{self._name}"
-        self._graph: Graph = program.rclpy["graph"]
-        self._handle = NodeHandle(self, self._graph, lambda: self._graph.remove_node(self._full))
-        self.actions: ActionGraph = program.rclpy["actions"]
-        given = parameters_of(self._full, of_all.parameters) | parameters_of(self._full, own.parameters)
+        arguments = own.before(of_all)
+        given_name, given_namespace = check_node_name(node_name), check_namespace(namespace or "")
+        self.__handle = NodeHandle(
+            arguments.name_for(given_name) or given_name,
+            arguments.namespace_for(given_name) or given_namespace,
+            self._context,
+            arguments,
+        )
+        name, graph = self.__handle.name, self.__handle.graph
+        given = parameters_of(name, of_all.parameters) | parameters_of(name, own.parameters)
         given.update({item.name: item.value for item in parameter_overrides or ()})
-        events = self._graph.twin.graph.events[PARAMETER_EVENTS]
+        events = graph.twin.graph.events[PARAMETER_EVENTS]
         NodeParameters.__init__(self, given, allow_undeclared_parameters, events)
-        self._logger = RcutilsLogger(self._handle.logger_name)
-        self._publishes_log = enable_rosout and arguments.publishes_log
-        if self._publishes_log:
+        self._logger = RcutilsLogger(self.__handle.logger_name)
+        publishes_log = enable_rosout and arguments.publishes_log
+        if publishes_log:
             publish_lines(self._logger.name)
         self._clock = ROSClock()
         self._clock.follow_twin()
-        self._jumps = Jumps(self._clock)
+        self.__jumps = Jumps(self._clock)
         self._rate_group = ReentrantCallbackGroup()
         self._default_callback_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
         self._timers: list[Timer] = []
@@ -96,19 +91,17 @@ class Node(NodeParameters, NodeGraph):
         self._clients: list[Client] = []
         self._services: list[Service] = []
         self._publishers: list[Publisher] = []
-        self._waitables: list[Any] = []
-        self.entities: list[Any] = []
-        self._executor: Any = None
-        self._graph.add_node(self._full, program)
-        self._graph.node_logs[self._full] = self._publishes_log
-        program.jumped.append(self._jump)
+        self.__waitables: list[Any] = []
+        graph.add_node(name, self.__handle.program)
+        graph.node_logs[name] = publishes_log
+        self.__handle.program.jumped.append(self.__jump)
         if automatically_declare_parameters_from_overrides:
             items = self._parameter_overrides.items()
             self.declare_parameters("", [(name, item.value) for name, item in items], ignore_override=True)
-        for name, read_only in (("use_sim_time", False), ("start_type_description_service", True)):
-            if name not in self._parameters:
-                self._declare_quickly(name, True, read_only=read_only)
-        self.add_waitable(self._jumps)
+        for own_name, read_only in (("use_sim_time", False), ("start_type_description_service", True)):
+            if own_name not in self._parameters:
+                self._rclpy_declare_quickly(own_name, True, read_only=read_only)
+        self.add_waitable(self.__jumps)
         if start_parameter_services:
             ParameterService(self)
         if enable_logger_service:
@@ -128,11 +121,11 @@ class Node(NodeParameters, NodeGraph):
 
     @property
     def executor(self) -> Any:
-        return self._executor
+        return self.__handle.executor
 
     @executor.setter
     def executor(self, executor: Any) -> None:
-        before, self._executor = self._executor, executor
+        before, self.__handle.executor = self.__handle.executor, executor
         if executor is before:
             return
         if before is not None:
@@ -142,7 +135,7 @@ class Node(NodeParameters, NodeGraph):
 
     @property
     def handle(self) -> NodeHandle:
-        return self._handle
+        return self.__handle
 
     @handle.setter
     def handle(self, value: Any) -> None:
@@ -154,19 +147,19 @@ class Node(NodeParameters, NodeGraph):
     services = property(lambda self: iter(self._services))
     timers = property(lambda self: iter(self._timers))
     guards = property(lambda self: iter(self._guards))
-    waitables = property(lambda self: iter(self._waitables))
+    waitables = property(lambda self: iter(self.__waitables))
 
     def get_name(self) -> str:
-        self._handle.check()
-        return self._name
+        self.__handle.check()
+        return self.__handle.base
 
     def get_namespace(self) -> str:
-        self._handle.check()
-        return self._namespace
+        self.__handle.check()
+        return self.__handle.namespace
 
     def get_fully_qualified_name(self) -> str:
-        self._handle.check()
-        return self._full
+        self.__handle.check()
+        return self.__handle.name
 
     def get_clock(self) -> Clock:
         return self._clock
@@ -175,19 +168,19 @@ class Node(NodeParameters, NodeGraph):
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        self._handle.check()
-        full = expanded_name(topic, self._namespace, self._name)
-        return full if only_expand else remapped(full, self._namespace, self._full, self._arguments.remappings)
+        self.__handle.check()
+        full = self.__handle.expanded(topic)
+        return full if only_expand else self.__handle.remapped(full)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
         return self.resolve_topic_name(service, only_expand=only_expand)
 
-    def _resolved(self, name: str, *, is_service: bool = False) -> str:
+    def __resolved(self, name: str, *, is_service: bool = False) -> str:
         """Return a full name, or raise the error that says where it is wrong."""
         try:
             return self.resolve_topic_name(name)
         except RCLError:
-            check_name(name, self._namespace, self._name, is_service=is_service)
+            check_name(name, self.__handle.namespace, self.__handle.base, is_service=is_service)
             raise
 
     # What it has -----------------------------------------------------------------------------------------------------
@@ -203,12 +196,12 @@ class Node(NodeParameters, NodeGraph):
         qos_overriding_options: Any = None,
         publisher_class: type[Publisher] = Publisher,
     ) -> Publisher:
-        self._handle.check()
-        qos, name = profile_of(qos_profile), self._resolved(topic)
+        self.__handle.check()
+        qos, name = profile_of(qos_profile), self.__resolved(topic)
         if qos_overriding_options is not None:
-            override_by_parameters("publisher", self, name, qos, qos_overriding_options)
+            _declare_qos_parameters(Publisher, self, name, qos, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
-        impl = PublisherHandle(self._handle, msg_type, name, qos)
+        impl = PublisherHandle(self.__handle, msg_type, name, qos)
         options = {"event_callbacks": event_callbacks, "callback_group": callback_group or self._default_callback_group}
         publisher = publisher_class(impl, msg_type, topic, qos, **options)
         self._publishers.append(publisher)
@@ -228,18 +221,18 @@ class Node(NodeParameters, NodeGraph):
         qos_overriding_options: Any = None,
         raw: bool = False,
     ) -> Subscription:
-        self._handle.check()
-        qos, name = profile_of(qos_profile), self._resolved(topic)
+        self.__handle.check()
+        qos, name = profile_of(qos_profile), self.__resolved(topic)
         group = callback_group or self._default_callback_group
         if qos_overriding_options is not None:
-            override_by_parameters("subscription", self, name, qos, qos_overriding_options)
+            _declare_qos_parameters(Subscription, self, name, qos, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
-        impl = SubscriptionHandle(self._handle, msg_type, name, qos)
+        impl = SubscriptionHandle(self.__handle, msg_type, name, qos)
         item = Subscription(impl, msg_type, topic, callback, group, qos, raw, event_callbacks=event_callbacks)
         self._subscriptions.append(item)
         for handler in item.event_handlers:
             self.add_waitable(handler)
-        return self._added(item)
+        return self.__added(item)
 
     def create_client(
         self,
@@ -250,12 +243,12 @@ class Node(NodeParameters, NodeGraph):
         callback_group: CallbackGroup | None = None,
     ) -> Client:
         check_is_valid_srv_type(srv_type)
-        self._handle.check()
-        impl = ClientHandle(self._handle, srv_type, self._resolved(srv_name, is_service=True))
+        self.__handle.check()
+        impl = ClientHandle(self.__handle, srv_type, self.__resolved(srv_name, is_service=True))
         group = callback_group or self._default_callback_group
         client = Client(self._context, impl, srv_type, srv_name, qos_profile or qos_profile_services_default, group)
         self._clients.append(client)
-        return self._added(client)
+        return self.__added(client)
 
     def create_service(
         self,
@@ -267,12 +260,12 @@ class Node(NodeParameters, NodeGraph):
         callback_group: CallbackGroup | None = None,
     ) -> Service:
         check_is_valid_srv_type(srv_type)
-        self._handle.check()
-        impl = ServiceHandle(self._handle, srv_type, self._resolved(srv_name, is_service=True))
+        self.__handle.check()
+        impl = ServiceHandle(self.__handle, srv_type, self.__resolved(srv_name, is_service=True))
         group = callback_group or self._default_callback_group
         service = Service(impl, srv_type, srv_name, callback, group, qos_profile or qos_profile_services_default)
         self._services.append(service)
-        return self._added(service)
+        return self.__added(service)
 
     def create_timer(
         self,
@@ -288,7 +281,7 @@ class Node(NodeParameters, NodeGraph):
         group = callback_group or self._default_callback_group
         timer = Timer(callback, group, period, clock or self._clock, context=self._context, autostart=autostart)
         self._timers.append(timer)
-        return self._added(timer)
+        return self.__added(timer)
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         if frequency <= 0:
@@ -298,34 +291,35 @@ class Node(NodeParameters, NodeGraph):
     def create_guard_condition(self, callback: Any, callback_group: CallbackGroup | None = None) -> GuardCondition:
         guard = GuardCondition(callback, callback_group or self._default_callback_group, self._context)
         self._guards.append(guard)
-        return self._added(guard)
+        return self.__added(guard)
 
     def add_waitable(self, waitable: Any) -> None:
-        self._waitables.append(waitable)
-        self._added(Waiting(waitable) if isinstance(waitable, Waitable) else waitable)
+        self.__waitables.append(waitable)
+        self.__added(Waiting(waitable) if isinstance(waitable, Waitable) else waitable)
 
     def remove_waitable(self, waitable: Any) -> None:
-        waiting = next((item for item in self.entities if getattr(item, "waitable", None) is waitable), waitable)
-        if self._removed(waitable, self._waitables) and waiting in self.entities:
-            self.entities.remove(waiting)
+        entities = self.__handle.entities
+        waiting = next((item for item in entities if getattr(item, "waitable", None) is waitable), waitable)
+        if self.__removed(waitable, self.__waitables):
+            self.__handle.remove(waiting)
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
-        return self._destroyed(publisher, self._publishers)
+        return self.__destroyed(publisher, self._publishers)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
-        return self._destroyed(subscription, self._subscriptions)
+        return self.__destroyed(subscription, self._subscriptions)
 
     def destroy_client(self, client: Client) -> bool:
-        return self._destroyed(client, self._clients)
+        return self.__destroyed(client, self._clients)
 
     def destroy_service(self, service: Service) -> bool:
-        return self._destroyed(service, self._services)
+        return self.__destroyed(service, self._services)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        return self._destroyed(timer, self._timers)
+        return self.__destroyed(timer, self._timers)
 
     def destroy_guard_condition(self, guard: GuardCondition) -> bool:
-        return self._destroyed(guard, self._guards)
+        return self.__destroyed(guard, self._guards)
 
     def destroy_rate(self, rate: Rate) -> bool:
         rate.destroy()
@@ -333,7 +327,7 @@ class Node(NodeParameters, NodeGraph):
 
     def destroy_node(self) -> None:
         """Take back all that the node has."""
-        if self._handle.is_destroyed:
+        if self.__handle.is_destroyed:
             return
         end_lines(self._logger.name)
         for items in (
@@ -343,39 +337,35 @@ class Node(NodeParameters, NodeGraph):
             self._services,
             self._timers,
             self._guards,
-            self._waitables,
+            self.__waitables,
         ):
             for item in list(items):
-                self._destroyed(item, items)
-        self._handle.destroy_when_not_in_use()
-        if self._executor is not None:
-            self._executor.remove_node(self)
+                self.__destroyed(item, items)
+        self.__handle.destroy_when_not_in_use()
+        if self.__handle.executor is not None:
+            self.__handle.executor.remove_node(self)
 
     # -----------------------------------------------------------------------------------------------------------------
 
-    def _jump(self, by: int) -> None:
-        self._jumps.put(by)
+    def __jump(self, by: int) -> None:
+        self.__jumps.put(by)
         for timer in self._timers:
             timer.jump()
 
-    def _added(self, item: _Item) -> _Item:
+    def __added(self, item: _Item) -> _Item:
         item.callback_group.add_entity(item)  # type: ignore[attr-defined]
-        self.entities.append(item)
-        self.entities.sort(key=_order)
-        if self._executor is not None:
-            self._executor.wake()
+        self.__handle.add(item, _order)
         return item
 
-    def _removed(self, item: Any, items: list[Any]) -> bool:
+    def __removed(self, item: Any, items: list[Any]) -> bool:
         if item not in items:
             return False
         items.remove(item)
-        if item in self.entities:
-            self.entities.remove(item)
+        self.__handle.remove(item)
         return True
 
-    def _destroyed(self, item: Any, items: list[Any]) -> bool:
-        if not self._removed(item, items):
+    def __destroyed(self, item: Any, items: list[Any]) -> bool:
+        if not self.__removed(item, items):
             return False
         for handler in getattr(item, "event_handlers", ()):
             self.remove_waitable(handler)

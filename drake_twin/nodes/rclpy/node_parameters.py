@@ -35,7 +35,7 @@ class NodeParameters:
     """
 
     def __init__(self, overrides: dict[str, Any], allow_undeclared: bool, events: EventTopic):
-        self._parameter_events = events
+        self.__events = events
         self._parameter_overrides = {name: Parameter(name, value=value) for name, value in overrides.items()}
         self._allow_undeclared_parameters = allow_undeclared
         self._parameters: dict[str, Parameter] = {}
@@ -44,10 +44,10 @@ class NodeParameters:
         self._on_set_parameters_callbacks: list[Callable[[list[Parameter]], _Result]] = []
         self._post_set_parameters_callbacks: list[Callable[[list[Parameter]], None]] = []
 
-    def _declare_quickly(self, name: str, value: Any, *, read_only: bool = False) -> None:
+    def _rclpy_declare_quickly(self, name: str, value: Any, *, read_only: bool = False) -> None:
         """Declare a parameter that each node has, with a descriptor that is made when it is asked for."""
         self._descriptors[name] = read_only
-        self._take([Parameter(name, value=value)], keeps_unset=True)
+        self.__take([Parameter(name, value=value)], keeps_unset=True)
 
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: Any = None, ignore_override: bool = False
@@ -83,14 +83,14 @@ class NodeParameters:
         if known:
             raise ParameterAlreadyDeclaredException(known)
         for parameter, descriptor in found:
-            self._declare(parameter, descriptor)
+            self.__declare(parameter, descriptor)
         return [self._parameters[parameter.name] for parameter, _ in found]
 
-    def _declare(self, parameter: Parameter, descriptor: Any) -> None:
+    def __declare(self, parameter: Parameter, descriptor: Any) -> None:
         kind = Parameter.Type(descriptor.type)
         if not descriptor.dynamic_typing and parameter.type_ not in (_NOT_SET, kind):
             raise InvalidParameterTypeException(parameter, kind.name)
-        result = self._set([parameter], {parameter.name: descriptor}, keeps_unset=True)
+        result = self.__set([parameter], {parameter.name: descriptor}, keeps_unset=True)
         if not result.successful:
             if result.reason.startswith("Wrong parameter type"):
                 raise InvalidParameterTypeException(parameter, kind.name)
@@ -165,23 +165,23 @@ class NodeParameters:
         if self.describe_parameter(name).read_only:
             raise ParameterImmutableException(name)
         parameter = self.get_parameter(name)
-        if self._refusal(parameter, descriptor):
+        if self.__refusal(parameter, descriptor):
             if alternative_value is not None:
                 from drake_twin.nodes.rclpy.parameter import parameter_value_to_python
 
                 parameter = Parameter(name, value=parameter_value_to_python(alternative_value))
-            if reason := self._refusal(parameter, descriptor):
+            if reason := self.__refusal(parameter, descriptor):
                 raise InvalidParameterValueException(name, parameter.value, reason)
         self._parameters[name], self._descriptors[name] = parameter, descriptor
         return parameter.get_parameter_value()
 
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[_Result]:
-        return [self._set_declared([parameter]) for parameter in parameter_list]
+        return [self.__set_declared([parameter]) for parameter in parameter_list]
 
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]) -> _Result:
-        return self._set_declared(list(parameter_list))
+        return self.__set_declared(list(parameter_list))
 
-    def _set_declared(self, parameters: list[Parameter]) -> _Result:
+    def __set_declared(self, parameters: list[Parameter]) -> _Result:
         if self._pre_set_parameters_callbacks:
             parameters = [item for callback in self._pre_set_parameters_callbacks for item in callback(parameters)]
             if not parameters:
@@ -192,7 +192,7 @@ class NodeParameters:
         unknown = [item.name for item in parameters if item.name not in self._parameters]
         if unknown and not self._allow_undeclared_parameters:
             raise ParameterNotDeclaredException(unknown[1:])  # rclpy names the others only
-        return self._set(parameters)
+        return self.__set(parameters)
 
     def list_parameters(self, prefixes: list[str], depth: int) -> Any:
         if not isinstance(prefixes, list):
@@ -243,7 +243,7 @@ class NodeParameters:
 
     # -----------------------------------------------------------------------------------------------------------------
 
-    def _set(
+    def __set(
         self, parameters: list[Parameter], descriptors: Mapping[str, Any] | None = None, *, keeps_unset: bool = False
     ) -> _Result:
         """Set parameters together, those that are declared with new descriptors."""
@@ -253,7 +253,7 @@ class NodeParameters:
             descriptor = self.describe_parameter(parameter.name) if descriptors is None else descriptors[parameter.name]
             if descriptors is None and descriptor.read_only:
                 return _result(f"Trying to set a read-only parameter: {parameter.name}.")
-            if reason := self._refusal(parameter, descriptor):
+            if reason := self.__refusal(parameter, descriptor):
                 return _result(reason)
         result = _result()
         for callback in list(self._on_set_parameters_callbacks):
@@ -261,12 +261,12 @@ class NodeParameters:
             if not result.successful:
                 return result
         self._descriptors.update(descriptors or {})
-        self._take(parameters, keeps_unset=keeps_unset)
+        self.__take(parameters, keeps_unset=keeps_unset)
         for notified in list(self._post_set_parameters_callbacks):
             notified(parameters)
         return result
 
-    def _refusal(self, parameter: Parameter, descriptor: Any) -> str:
+    def __refusal(self, parameter: Parameter, descriptor: Any) -> str:
         """Return why a descriptor does not fit a value; it gets the parameter's name, and a dynamic one its type."""
         descriptor.name, kind = parameter.name, parameter.type_
         if descriptor.dynamic_typing:
@@ -277,7 +277,7 @@ class NodeParameters:
             return f"Wrong parameter type, expected '{Parameter.Type(descriptor.type)}' got '{kind}'"
         return out_of_range(parameter, descriptor)
 
-    def _take(self, parameters: list[Parameter], *, keeps_unset: bool) -> None:
+    def __take(self, parameters: list[Parameter], *, keeps_unset: bool) -> None:
         """Take new values, and publish the event; one without a type ends its parameter, unless that is kept."""
         changes: dict[str, list[Any]] = {"deleted_parameters": [], "new_parameters": [], "changed_parameters": []}
         for parameter in parameters:
@@ -291,13 +291,13 @@ class NodeParameters:
                 if parameter.name not in self._descriptors:
                     self._descriptors[parameter.name] = _descriptor(dynamic_typing=True)
                 kind = "new_parameters" if is_new else "changed_parameters"
-            if self._parameter_events.is_heard:
+            if self.__events.is_heard:
                 changes[kind].append(to_wire(parameter.to_parameter_msg()))
-        if self._parameter_events.is_heard:
+        if self.__events.is_heard:
             node: Any = self
             stamp = to_wire(node.get_clock().now().to_msg())
             fields = {"stamp": stamp, "node": node.get_fully_qualified_name(), **changes}
-            self._parameter_events.put(lambda: fields)
+            self.__events.put(lambda: fields)
 
 
 def _descriptor(**fields: Any) -> Any:

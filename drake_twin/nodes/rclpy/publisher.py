@@ -7,7 +7,8 @@ from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Publication
 from drake_twin.nodes.graph_lists import count_matched
 from drake_twin.nodes.rclpy.event_handler import PublisherEventCallbacks
-from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.handle import Handle
+from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import present_task
 
@@ -38,6 +39,15 @@ class PublisherHandle(Handle):
         self.item.is_timed = bool(profile.deadline.nanoseconds or profile.liveliness_lease_duration.nanoseconds)
         self.graph = node.graph
 
+    def advertise(self) -> None:
+        """Let it be on the graph, until it is destroyed or its program ends."""
+        self.graph.advertise(self.item)
+        present_task().program.belongings.append(self.item)
+
+    def publish(self, message: Any) -> None:
+        """Publish a message."""
+        self.graph.publish(self.item, message)
+
 
 class Publisher:
     """Publishes messages of a type on a topic."""
@@ -55,8 +65,7 @@ class Publisher:
         self.msg_type, self.topic, self.qos_profile = msg_type, topic, qos_profile
         callbacks = event_callbacks or PublisherEventCallbacks()
         self.event_handlers: list[Any] = callbacks.create_event_handlers(callback_group, publisher_impl, topic)
-        publisher_impl.graph.advertise(publisher_impl.item)
-        present_task().program.belongings.append(publisher_impl.item)
+        publisher_impl.advertise()
 
     handle = property(lambda self: self._impl)
 

@@ -50,8 +50,8 @@ class QoSOverridingOptions:
         return cls(kinds, callback=callback, entity_id=entity_id)
 
 
-def override_by_parameters(
-    what: str, node: Any, topic: str, profile: QoSProfile, options: QoSOverridingOptions
+def _declare_qos_parameters(
+    entity_type: type, node: Any, topic: str, profile: QoSProfile, options: QoSOverridingOptions
 ) -> None:
     """Declare the parameters of a publisher or a subscription, and set its profile by them.
 
@@ -59,6 +59,7 @@ def override_by_parameters(
         InvalidQosOverridesError: If the program refuses the result.
         RuntimeError: If a parameter names no value of its policy.
     """
+    what = entity_type.__name__.lower()
     suffix = "" if options.entity_id is None else f"_{options.entity_id}"
     for kind in options.policy_kinds:
         if kind is QoSPolicyKind.LIFESPAN and what == "subscription":
@@ -69,7 +70,7 @@ def override_by_parameters(
         descriptor = message_class("rcl_interfaces/msg/ParameterDescriptor")(description=text, read_only=True)
         known = getattr(profile, policy)
         try:
-            value = node.declare_parameter(name, _as_parameter(known), descriptor).value
+            value = node.declare_parameter(name, _get_qos_policy_parameter(profile, kind), descriptor).value
         except ParameterAlreadyDeclaredException:
             value = node.get_parameter(name).value
         setattr(profile, policy, _from_parameter(policy, known, value))
@@ -81,7 +82,9 @@ def override_by_parameters(
             )
 
 
-def _as_parameter(value: Any) -> Any:
+def _get_qos_policy_parameter(profile: QoSProfile, policy: QoSPolicyKind) -> Any:
+    """Return the value of a policy as a parameter has it."""
+    value = getattr(profile, policy.name.lower())
     if isinstance(value, QoSPolicyEnum):
         if value.name == "UNKNOWN":
             raise ValueError("User provided QoS profile is invalid")

@@ -1,5 +1,6 @@
 """The qualities of service: policies and profiles of ``rclpy.qos``."""
 
+import warnings
 from collections.abc import Callable
 from enum import Enum, IntEnum
 from typing import Any, TypeVar
@@ -170,6 +171,12 @@ class QoSProfile:
         for name, default in _DEFAULTS.items():
             setattr(self, name, kwargs.get(name, default))
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+        if name == "depth" and value == 0 and self.history == HistoryPolicy.KEEP_LAST:
+            text = "A zero depth with KEEP_LAST doesn't make sense; no data could be stored."
+            warnings.warn(f"{text} This will be interpreted as SYSTEM_DEFAULT", stacklevel=2)
+
     def get_c_qos_profile(self) -> "rmw_qos_profile_t":
         return rmw_qos_profile_t(self)
 
@@ -198,10 +205,17 @@ class rmw_qos_profile_t:  # noqa: N801
     """What stands for rmw's structure."""
 
     def __init__(self, profile: QoSProfile):
-        self._profile = profile
+        self.profile = profile
 
     def to_dict(self) -> dict[str, Any]:
-        return {slot[1:]: getattr(self._profile, slot) for slot in QoSProfile.__slots__}
+        return {slot[1:]: getattr(self.profile, slot) for slot in QoSProfile.__slots__}
+
+    @staticmethod
+    def predefined(qos_profile_name: str) -> "rmw_qos_profile_t":
+        found = globals().get(qos_profile_name)
+        if not isinstance(found, QoSProfile):
+            raise ValueError(f"Requested unknown rmw_qos_profile: {qos_profile_name}")
+        return rmw_qos_profile_t(found)
 
 
 def queue_size(profile: QoSProfile) -> int | None:

@@ -3,15 +3,35 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Offer
-from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.handle import Handle
+from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.service_introspection import Introspection
 from drake_twin.nodes.task import present_task
 
 SrvType, SrvTypeRequest, SrvTypeResponse = TypeVar("SrvType"), TypeVar("SrvTypeRequest"), TypeVar("SrvTypeResponse")
+
+
+@dataclass(frozen=True)
+class RequestHeader:
+    """What is known of a request.
+
+    Attributes:
+        reply: Takes the response.
+        source_timestamp: When it arrived (ns).
+        received_timestamp: When it arrived (ns).
+    """
+
+    reply: Callable[[Any], None]
+    source_timestamp: int
+
+    @property
+    def received_timestamp(self) -> int:
+        return self.source_timestamp
 
 
 class ServiceHandle(Handle):
@@ -25,21 +45,43 @@ class ServiceHandle(Handle):
     Attributes:
         node: The node.
         item: What it has on the graph.
-        requests: The requests that wait, each with the function that takes its response.
+        requests: The requests that wait.
         introspection: The events that it publishes.
     """
 
     def __init__(self, node: NodeHandle, srv_type: Any, name: str):
         super().__init__(lambda: node.graph.withdraw(self.item), name, node.logger_name)
         self.node = node
-        self.requests: deque[tuple[Any, Callable[[Any], None]]] = deque()
+        self._task = present_task()
+        self.requests: deque[tuple[Any, RequestHeader]] = deque()
         self.item = Offer(name, message_classes.type_name(srv_type), node.name, self._put)
         self.introspection = Introspection(node, srv_type, name)
         node.graph.offer(self.item)
         present_task().program.belongings.append(self.item)
 
     def _put(self, request: Any, reply: Callable[[Any], None]) -> None:
-        self.requests.append((request, reply))
+        self.requests.append((request, RequestHeader(reply, self._task.now)))
+
+    def is_ready(self) -> bool:
+        """Return whether a request waits."""
+        return bool(self.requests)
+
+    def service_take_request(self, pyrequest_type: Any) -> tuple[Any, "RequestHeader | None"]:
+        """Return the next request with its header; None for both without one."""
+        self.check()
+        if not self.requests:
+            present_task().count_idle_call()
+            return None, None
+        request, header = self.requests.popleft()
+        given = message_classes.from_wire(f"{self.item.type}_Request", request)
+        self.introspection.note("REQUEST_RECEIVED", given)
+        return given, header
+
+    def service_send_response(self, pyresponse: Any, header: "RequestHeader") -> None:
+        """Answer a request."""
+        self.check()
+        self.introspection.note("RESPONSE_SENT", pyresponse)
+        header.reply(message_classes.to_wire(pyresponse))
 
 
 class Service:
@@ -57,7 +99,6 @@ class Service:
         self._impl: ServiceHandle = service_impl
         self.srv_type, self.srv_name, self.callback = srv_type, srv_name, callback
         self.callback_group, self.qos_profile = callback_group, qos_profile
-        self._requests, self._type = service_impl.requests, service_impl.item.type
 
     handle = property(lambda self: self._impl)
 
@@ -67,28 +108,25 @@ class Service:
         return self._impl.name
 
     def is_ready(self) -> bool:
-        return bool(self._requests)
+        return self._impl.is_ready()
 
     def execute(self) -> Any:
-        request, reply = self._requests.popleft()
-        given = message_classes.from_wire(f"{self._type}_Request", request)
-        self._impl.introspection.note("REQUEST_RECEIVED", given)
+        given, header = self._impl.service_take_request(self.srv_type.Request)
+        if header is None:
+            return None
         response = self.callback(given, self.srv_type.Response())
         if inspect.iscoroutine(response):
-            return self._reply_later(response, reply)
-        self.send_response(response, reply)
+            return self._reply_later(response, header)
+        self.send_response(response, header)
         return None
 
-    async def _reply_later(self, response: Any, reply: Callable[[Any], None]) -> None:
-        self.send_response(await response, reply)
+    async def _reply_later(self, response: Any, header: RequestHeader) -> None:
+        self.send_response(await response, header)
 
-    def send_response(self, response: Any, header: Any) -> None:
-        """Answer a request: here a header is the function that takes its response."""
+    def send_response(self, response: Any, header: RequestHeader) -> None:
         if not isinstance(response, self.srv_type.Response):
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
-        self._impl.check()
-        self._impl.introspection.note("RESPONSE_SENT", response)
-        header(message_classes.to_wire(response))
+        self._impl.service_send_response(response, header)
 
     def configure_introspection(self, clock: Any, service_event_qos_profile: Any, introspection_state: Any) -> None:
         self._impl.check()

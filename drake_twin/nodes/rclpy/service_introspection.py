@@ -4,6 +4,8 @@ from typing import Any
 
 from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.native import native_enum
+from drake_twin.nodes.rclpy.publisher import PublisherHandle
+from drake_twin.nodes.rclpy.qos_profiles import profile_of
 
 ServiceIntrospectionState = native_enum(
     "ServiceIntrospectionState",
@@ -41,7 +43,8 @@ class Introspection:
             raise TypeError(f"configure_introspection(): incompatible function arguments: {state!r}")
         self._state, self._clock = state, clock
         if self._state is not ServiceIntrospectionState.OFF:
-            self._publisher = self._node.node.create_publisher(self._type.Event, self._topic, profile)
+            self._publisher = PublisherHandle(self._node, self._type.Event, self._topic, profile_of(profile))
+            self._publisher.advertise()
 
     def note(self, kind: str, message: Any) -> None:
         """Publish what has happened."""
@@ -59,5 +62,5 @@ class Introspection:
     def end(self) -> None:
         """Publish no more."""
         if self._publisher is not None:
-            self._node.node.destroy_publisher(self._publisher)
+            self._publisher.destroy_when_not_in_use()
         self._publisher = None

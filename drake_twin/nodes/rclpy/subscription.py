@@ -11,7 +11,8 @@ from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Reception
 from drake_twin.nodes.graph_lists import count_matched
 from drake_twin.nodes.rclpy.event_handler import SubscriptionEventCallbacks
-from drake_twin.nodes.rclpy.handle import Handle, NodeHandle
+from drake_twin.nodes.rclpy.handle import Handle
+from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
 from drake_twin.nodes.task import Task, present_task
 
@@ -50,6 +51,35 @@ class SubscriptionHandle(Handle):
             self.graph.quality.passed(self.item)
         self.messages.append((message, self.task.now, expires))
 
+    def subscribe(self) -> None:
+        """Let it be on the graph, until it is destroyed or its program ends."""
+        self.graph.subscribe(self.item)
+        present_task().program.belongings.append(self.item)
+
+    def is_ready(self) -> bool:
+        """Return whether a message waits that has not expired."""
+        messages = self.messages
+        while messages and messages[0][2] < self.task.now:
+            messages.popleft()
+        return bool(messages)
+
+    def take_message(self, pymsg_type: Any, raw: bool) -> tuple[Any, dict[str, int]] | None:
+        """Return the next message, or its bytes, and its times (ns); None without one."""
+        self.check()
+        if not self.is_ready():
+            present_task().count_idle_call()
+            return None
+        message, time, _ = self.messages.popleft()
+        return self.given(message, raw=raw), {"source_timestamp": time, "received_timestamp": self.task.now}
+
+    def given(self, message: Any, *, raw: bool) -> Any:
+        """Return a message as a callback gets it, or its bytes."""
+        if not raw:
+            return message_classes.from_wire(self.item.type, message)
+        from drake_twin.messages.interface_types import serialize
+
+        return serialize(message)
+
 
 class Subscription:
     """Calls back with the messages of a topic."""
@@ -77,9 +107,8 @@ class Subscription:
         self.callback = callback
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         self.event_handlers: list[Any] = callbacks.create_event_handlers(callback_group, subscription_impl, topic)
-        self._messages, self._type = subscription_impl.messages, subscription_impl.item.type
-        subscription_impl.graph.subscribe(subscription_impl.item)
-        present_task().program.belongings.append(subscription_impl.item)
+        self._messages, self._task = subscription_impl.messages, subscription_impl.task
+        subscription_impl.subscribe()
 
     handle = property(lambda self: self._impl)
 
@@ -94,25 +123,18 @@ class Subscription:
 
     @callback.setter
     def callback(self, value: Callable[..., Any]) -> None:
-        self._takes_info = _takes_info(value)
+        self._callback_type = _type_of(value)
         self._callback = value
 
     def is_ready(self) -> bool:
         messages = self._messages
-        while messages and messages[0][2] < self._impl.task.now:
-            messages.popleft()
-        return bool(messages)
+        return bool(messages) and (messages[0][2] >= self._task.now or self._impl.is_ready())
 
     def execute(self) -> Any:
         message, time, _ = self._messages.popleft()
-        if self.raw:
-            from drake_twin.messages.interface_types import serialize
-
-            given: Any = serialize(message)
-        else:
-            given = message_classes.from_wire(self._type, message)
-        if self._takes_info:
-            return self._callback(given, {"source_timestamp": time, "received_timestamp": self._impl.task.now})
+        given = self._impl.given(message, raw=self.raw)
+        if self._callback_type is Subscription.CallbackType.WithMessageInfo:
+            return self._callback(given, {"source_timestamp": time, "received_timestamp": self._task.now})
         return self._callback(given)
 
     def get_publisher_count(self) -> int:
@@ -123,23 +145,23 @@ class Subscription:
     def destroy(self) -> None:
         for handler in self.event_handlers:
             handler.destroy()
-        self._messages.clear()
+        self._impl.messages.clear()
         self._impl.destroy_when_not_in_use()
 
 
-def _takes_info(callback: Callable[..., Any]) -> bool:
+def _type_of(callback: Callable[..., Any]) -> Subscription.CallbackType:
     """Return whether a callback takes a message's times beside it.
 
     Raises:
         RuntimeError: If it takes neither one nor two arguments.
     """
-    for count, found in ((1, False), (2, True)):
+    for count, found in enumerate(Subscription.CallbackType, 1):
         try:
             inspect.signature(callback).bind(*[None] * count)
         except TypeError:
             continue
         except ValueError:  # it has no signature
-            return False
+            return Subscription.CallbackType.MessageOnly
         return found
     text = "Subscription.__init__(): callback should be either be callable with one argument (to get only the message)"
     raise RuntimeError(f"{text} or two (to get message and message info)")

@@ -4,9 +4,12 @@ import inspect
 import sys
 import warnings
 from collections.abc import Callable, Generator
+from contextvars import ContextVar
 from typing import Any
 
 from drake_twin.nodes.task import present_task
+
+_of_executor = ContextVar("_of_executor", default=False)  # whether what awaits is continued by an executor
 
 
 class Future:
@@ -25,9 +28,26 @@ class Future:
             print(f"The following exception was never retrieved: {self._exception}", file=sys.stderr)
 
     def __await__(self) -> Generator[Any, None, Any]:
+        if not self._done and not _of_executor.get() and (waiter := self._asyncio_future()) is not None:
+            yield from waiter
         while not self._done:
             yield self
         return self.result()
+
+    def _asyncio_future(self) -> Any:
+        """Return a future of the running loop of ``asyncio`` that is done with this one; None without a loop."""
+        asyncio = sys.modules.get("asyncio")
+        loop = None if asyncio is None else asyncio._get_running_loop()
+        if loop is None:
+            return None
+        waiter = loop.create_future()
+
+        def finish() -> None:
+            if not waiter.done():
+                waiter.set_result(None)
+
+        self.add_done_callback(lambda _: loop.call_soon_threadsafe(finish))
+        return waiter
 
     def cancel(self) -> None:
         if not self._done:
@@ -139,9 +159,12 @@ class Task(Future):
             self._executing = False
 
     def _continue(self) -> None:
+        token = _of_executor.set(True)
         try:
             awaited = self._handler.send(None)
         except StopIteration as end:
             self.set_result(end.value)
         else:
             self._awaited = awaited if isinstance(awaited, Future) else None
+        finally:
+            _of_executor.reset(token)

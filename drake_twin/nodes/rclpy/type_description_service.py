@@ -15,7 +15,7 @@ class TypeDescriptionService:
     def __init__(self, node: Any):
         self._node = node
         graph, name = node.handle.graph, node.resolve_service_name("~/get_type_description")
-        self._offer = Offer(name, "type_description_interfaces/srv/GetTypeDescription", node._full, self._put)
+        self._offer = Offer(name, "type_description_interfaces/srv/GetTypeDescription", node.handle.name, self._put)
         self._handle = Handle(lambda: graph.withdraw(self._offer), name, node.handle.logger_name)
         graph.offer(self._offer)
         present_task().program.belongings.append(self._offer)

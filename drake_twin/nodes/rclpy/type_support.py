@@ -10,11 +10,16 @@ def check_for_type_support(msg_or_srv_type: Any) -> None:
 
     Raises:
         AttributeError: If it is not.
+        NoTypeSupportImportedException: If it has no type support, also after that was imported.
     """
     if not hasattr(msg_or_srv_type, "__ros_type__") and not hasattr(msg_or_srv_type, "_TYPE_SUPPORT"):
         name = type(msg_or_srv_type).__name__
         text = f"type object '{name}' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type"
         raise AttributeError(f"{text} but it should be a ROS 2 message type.")
+    if getattr(msg_or_srv_type, "_TYPE_SUPPORT", True) is None:
+        msg_or_srv_type.__import_type_support__()
+        if msg_or_srv_type._TYPE_SUPPORT is None:
+            raise NoTypeSupportImportedException
 
 
 def check_is_valid_msg_type(msg_type: Any) -> None:

@@ -7,6 +7,7 @@ from drake_twin.nodes.message_classes import message_class
 from drake_twin.nodes.rclpy.callback_groups import ReentrantCallbackGroup
 from drake_twin.nodes.rclpy.executors import SingleThreadedExecutor
 from drake_twin.nodes.rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
+from drake_twin.nodes.task import present_task
 
 __all__ = ["TransformListener"]
 
@@ -42,6 +43,8 @@ class TransformListener:
             self.executor = SingleThreadedExecutor()
             self.dedicated_listener_thread = Thread(target=self._spin)
             self.dedicated_listener_thread.start()
+            # As in ROS, where the thread is quicker than what the program does next: a spin of its own takes the node.
+            present_task().wait(lambda: node.executor is self.executor)
 
     def __del__(self) -> None:
         if hasattr(self, "dedicated_listener_thread"):

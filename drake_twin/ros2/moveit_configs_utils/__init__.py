@@ -1,6 +1,6 @@
 """Stand-ins for ``moveit_configs_utils``: they read a MoveIt package's files, so that launch files go on.
 
-What they start, such as ``move_group``, is not started.
+``move_group`` is `drake_twin.nodes.programs.move_group`; the other programs are not started.
 """
 
 from drake_twin.ros2.lazy_exports import lazy_exports

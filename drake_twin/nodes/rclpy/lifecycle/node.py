@@ -32,40 +32,44 @@ class LifecycleNodeMixin(ManagedEntity):
     def __init__(self, *, enable_communication_interface: bool = True, callback_group: Any = None):
         node: Any = self
         self._managed_entities: dict[ManagedEntity, None] = {}  # in order, so that a run repeats
-        self._state_machine = StateMachine()
-        self._transition_events: Any = None
+        self._state_machine = StateMachine(enable_communication_interface)
         # As they were when the node was made: what a subclass has, also where it is replaced later.
         self._callbacks = {label: getattr(self, name) for label, name in _CALLBACKS.items()}
         if not enable_communication_interface:
             return
         event = message_class("lifecycle_msgs/msg/TransitionEvent")
-        self._transition_events = node.create_publisher(event, "~/transition_event", 10)
+        events = node.create_publisher(event, "~/transition_event", 10)
+        self._state_machine.is_told = lambda item: events.publish(
+            event(start_state=_message(item.start), goal_state=_message(item.goal))
+        )
         for name, kind, answer in (
-            ("change_state", "ChangeState", self._on_change_state),
-            ("get_state", "GetState", self._on_get_state),
-            ("get_available_states", "GetAvailableStates", self._on_get_available_states),
-            ("get_available_transitions", "GetAvailableTransitions", self._on_get_available_transitions),
-            ("get_transition_graph", "GetAvailableTransitions", self._on_get_transition_graph),
+            ("change_state", "ChangeState", self.__on_change_state),
+            ("get_state", "GetState", self.__on_get_state),
+            ("get_available_states", "GetAvailableStates", self.__on_get_available_states),
+            ("get_available_transitions", "GetAvailableTransitions", self.__on_get_available_transitions),
+            ("get_transition_graph", "GetAvailableTransitions", self.__on_get_transition_graph),
         ):
             service = service_class(f"lifecycle_msgs/srv/{kind}")
-            node.create_service(service, f"~/{name}", answer, callback_group=callback_group)
+            made = node.create_service(service, f"~/{name}", answer, callback_group=callback_group)
+            self._state_machine.services[name] = made.handle
+            setattr(self, f"_service_{name}", made)
 
     def trigger_configure(self) -> TransitionCallbackReturn:
-        return self._change_state(1)
+        return self.__change_state(1)
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
-        return self._change_state(2)
+        return self.__change_state(2)
 
     def trigger_activate(self) -> TransitionCallbackReturn:
-        return self._change_state(3)
+        return self.__change_state(3)
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
-        return self._change_state(4)
+        return self.__change_state(4)
 
     def trigger_shutdown(self) -> TransitionCallbackReturn:
         if not any(item.label == "shutdown" for item in self._state_machine.available):
             raise RCLError("Shutdown transtion not possible")
-        return self._change_state("shutdown")
+        return self.__change_state("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
         if not isinstance(entity, ManagedEntity):
@@ -73,22 +77,22 @@ class LifecycleNodeMixin(ManagedEntity):
         self._managed_entities[entity] = None
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_configure", state)
+        return self.__pass_on("on_configure", state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_cleanup", state)
+        return self.__pass_on("on_cleanup", state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_shutdown", state)
+        return self.__pass_on("on_shutdown", state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_activate", state)
+        return self.__pass_on("on_activate", state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_deactivate", state)
+        return self.__pass_on("on_deactivate", state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        return self._pass_on("on_error", state)
+        return self.__pass_on("on_error", state)
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher:
         if "publisher_class" in kwargs:
@@ -103,7 +107,7 @@ class LifecycleNodeMixin(ManagedEntity):
         self._managed_entities.pop(publisher, None)
         return bool(node.destroy_publisher(publisher))
 
-    def _pass_on(self, name: str, state: LifecycleState) -> TransitionCallbackReturn:
+    def __pass_on(self, name: str, state: LifecycleState) -> TransitionCallbackReturn:
         for entity in list(self._managed_entities):
             result = getattr(entity, name)(state)
             if not isinstance(result, TransitionCallbackReturn):
@@ -113,24 +117,22 @@ class LifecycleNodeMixin(ManagedEntity):
                 return result
         return TransitionCallbackReturn.SUCCESS
 
-    def _change_state(self, key: int | str) -> TransitionCallbackReturn:
+    def __change_state(self, key: int | str) -> TransitionCallbackReturn:
         before = self._state_machine.current
-        self._trigger(key)
-        result = self._called_back(before)
-        self._trigger(result.to_label())
+        self.__trigger(key)
+        result = self.__called_back(before)
+        self.__trigger(result.to_label())
         if result is TransitionCallbackReturn.ERROR:
-            self._trigger(self._called_back(before).to_label())
+            self.__trigger(self.__called_back(before).to_label())
         return result
 
-    def _trigger(self, key: int | str) -> None:
-        transition = self._state_machine.trigger(key)
-        if self._transition_events is not None:
-            event = self._transition_events.msg_type()
-            _fill(event.start_state, transition.start)
-            _fill(event.goal_state, transition.goal)
-            self._transition_events.publish(event)
+    def __trigger(self, key: int | str) -> None:
+        if isinstance(key, int):
+            self._state_machine.trigger_transition_by_id(key, True)
+        else:
+            self._state_machine.trigger_transition_by_label(key, True)
 
-    def _called_back(self, before: LifecycleState) -> TransitionCallbackReturn:
+    def __called_back(self, before: LifecycleState) -> TransitionCallbackReturn:
         label = self._state_machine.current.label
         try:
             result = self._callbacks[label](before)
@@ -144,28 +146,28 @@ class LifecycleNodeMixin(ManagedEntity):
 
     # What its services answer ----------------------------------------------------------------------------------------
 
-    def _on_change_state(self, request: Any, response: Any) -> Any:
+    def __on_change_state(self, request: Any, response: Any) -> Any:
         key = request.transition.label or request.transition.id
         if request.transition.label and not any(item.label == key for item in self._state_machine.available):
             response.success = False
             return response
-        response.success = self._change_state(key) is TransitionCallbackReturn.SUCCESS
+        response.success = self.__change_state(key) is TransitionCallbackReturn.SUCCESS
         return response
 
-    def _on_get_state(self, request: Any, response: Any) -> Any:
+    def __on_get_state(self, request: Any, response: Any) -> Any:
         _fill(response.current_state, self._state_machine.current)
         return response
 
-    def _on_get_available_states(self, request: Any, response: Any) -> Any:
+    def __on_get_available_states(self, request: Any, response: Any) -> Any:
         for state in STATES.values():
-            response.available_states.append(_fill(message_class("lifecycle_msgs/msg/State")(), state))
+            response.available_states.append(_message(state))
         return response
 
-    def _on_get_available_transitions(self, request: Any, response: Any) -> Any:
+    def __on_get_available_transitions(self, request: Any, response: Any) -> Any:
         response.available_transitions = [_description(item) for item in self._state_machine.available]
         return response
 
-    def _on_get_transition_graph(self, request: Any, response: Any) -> Any:
+    def __on_get_transition_graph(self, request: Any, response: Any) -> Any:
         response.available_transitions = [_description(item) for item in TRANSITIONS]
         return response
 
@@ -185,6 +187,10 @@ class LifecycleNode(LifecycleNodeMixin, rclpy_node.Node):
 def _fill(message: Any, state: LifecycleState) -> Any:
     message.id, message.label = state.state_id, state.label
     return message
+
+
+def _message(state: LifecycleState) -> Any:
+    return _fill(message_class("lifecycle_msgs/msg/State")(), state)
 
 
 def _description(item: LifecycleTransition) -> Any:

@@ -3,7 +3,8 @@
 Source: ros2/rcl (jazzy), rcl_lifecycle/src/default_state_machine.c.
 """
 
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError
 from drake_twin.nodes.rclpy.native import NativeEnum, unreadable
@@ -90,28 +91,67 @@ TRANSITIONS = tuple(
 
 
 class StateMachine:
-    """The state of a node.
+    """The state of a node, with the names that rclpy's C++ gives to what it tells: users' programs ask for the state.
+
+    Args:
+        has_services: Whether the node answers and publishes.
 
     Attributes:
         current: The state.
+        is_told: Takes a transition that is to be published.
+        services: The node's services, by their names.
     """
 
-    def __init__(self) -> None:
+    initialized = True
+
+    def __init__(self, has_services: bool) -> None:
+        if not isinstance(has_services, bool):
+            raise TypeError(f"__init__(): incompatible constructor arguments: {has_services!r} is not a bool")
         self.current = STATES["unconfigured"]
+        self.is_told: Callable[[LifecycleTransition], None] = lambda transition: None
+        self.services: dict[str, Any] = {}
 
     @property
     def available(self) -> list[LifecycleTransition]:
         """Return the transitions from the present state."""
         return [item for item in TRANSITIONS if item.start is self.current]
 
-    def trigger(self, key: int | str) -> LifecycleTransition:
-        """Make a transition, by its number or name; return it.
+    @property
+    def current_state(self) -> tuple[int, str]:
+        return self.current.state_id, self.current.label
 
-        Raises:
-            RCLError: If the present state has no such transition.
-        """
+    available_states = property(lambda self: [(state.state_id, state.label) for state in STATES.values()])
+    available_transitions = property(lambda self: [_as_tuple(item) for item in self.available])
+    transition_graph = property(lambda self: [_as_tuple(item) for item in TRANSITIONS])
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("service_"):
+            return self.services.get(name.removeprefix("service_"))
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def get_transition_by_label(self, label: str) -> int:
+        for item in self.available:
+            if item.label == label:
+                return item.transition_id
+        raise RCLError("Failed to get transition from label")
+
+    def trigger_transition_by_id(self, transition_id: int, publish_update: bool) -> None:
+        self._trigger(transition_id, publish_update)
+
+    def trigger_transition_by_label(self, label: str, publish_update: bool) -> None:
+        self._trigger(label, publish_update)
+
+    def _trigger(self, key: int | str, publish_update: bool) -> None:
         for item in self.available:
             if key in (item.transition_id, item.label):
                 self.current = item.goal
-                return item
-        raise RCLError(f"Failed to trigger lifecycle state machine transition {key!r} from {self.current.label}")
+                if publish_update:
+                    self.is_told(item)
+                return
+        text = f"Failed to trigger lifecycle state machine transition {key!r} from {self.current.label}"
+        raise RCLError(text)
+
+
+def _as_tuple(item: LifecycleTransition) -> tuple[int, str, int, str, int, str]:
+    start, goal = item.start, item.goal
+    return item.transition_id, item.label, start.state_id, start.label, goal.state_id, goal.label

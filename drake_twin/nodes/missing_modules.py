@@ -1,0 +1,74 @@
+"""Where what a node program lacks may come from: a module, or ROS's own command."""
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+from drake_twin.description.package_index import containing_package
+from drake_twin.messages import interface_types
+from drake_twin.nodes.stand_ins import ROOTS
+
+_INTERFACES = ("_actions", "_interface", "_interfaces", "_msg", "_msgs", "_srv", "_srvs")
+# Module → its distribution in the package index, where the two names differ or ROS installs it otherwise.
+_DISTRIBUTIONS = {
+    "PIL": "pillow",
+    "cv2": "opencv-python-headless",
+    "paho": "paho-mqtt",
+    "serial": "pyserial",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "usb": "pyusb",
+    "yaml": "pyyaml",
+    **{name: name for name in ("matplotlib", "pandas", "pynput", "scipy", "torch", "transforms3d", "ultralytics")},
+}
+
+_COMPILERS = frozenset(("pybind11_add_module", "Python3_add_library", "Python_add_library", "nanobind_add_module"))
+
+
+def remedy(error: BaseException, file: Path) -> str:
+    """Return what may be done about an error; empty if nothing is known, or nothing is missing.
+
+    Args:
+        error: The error.
+        file: The program's script, whose package says what it depends on.
+    """
+    if isinstance(error, FileNotFoundError) and error.filename == "ros2":
+        return ": the twin needs no ROS, and ROS's command is not there: start nodes by --node or a launch file"
+    if not isinstance(error, ModuleNotFoundError) or not error.name:
+        return ""
+    root, _, rest = error.name.partition(".")
+    if rest in ("msg", "srv", "action"):
+        return f": the package has no .{rest} files"
+    if rest and _is_compiled(error):
+        return ": it has to be compiled from C++, as the CMakeLists.txt of its package says"
+    if rest or root in ROOTS | interface_types.known_packages():
+        return ""
+    if root in _DISTRIBUTIONS:
+        return f": pip install {_DISTRIBUTIONS[root]}"
+    if root in _dependencies(file) or root.endswith(_INTERFACES):
+        return ": give the folder of this ROS package by --package-path"
+    return ""
+
+
+def _is_compiled(error: ModuleNotFoundError) -> bool:
+    """Return whether the package that asks for a missing module makes compiled modules, as by pybind11."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    package = None if trace is None else containing_package(Path(trace.tb_frame.f_code.co_filename))
+    try:
+        text = "" if package is None else (package / "CMakeLists.txt").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    words = set(re.findall(r"\w+", text))
+    return (error.name or "").rpartition(".")[2] in words and not _COMPILERS.isdisjoint(words)
+
+
+def _dependencies(file: Path) -> set[str]:
+    """Return what the package of a script depends on."""
+    package = containing_package(file)
+    try:
+        tags = [] if package is None else [*ElementTree.parse(package / "package.xml").getroot()]
+    except (OSError, ElementTree.ParseError):
+        return set()
+    return {(tag.text or "").strip() for tag in tags if tag.tag.endswith("depend")}

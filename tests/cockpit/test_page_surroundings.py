@@ -1,0 +1,118 @@
+"""What is around the robots in the scene, as pixels of a real Chromium: the ground's grid, shadows, sky, the view."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import numpy as np
+import pytest
+from browser import BROWSER_TESTS, browser, orange, page, picture, show
+from conftest import ARM, rovers
+from in_scene import tools
+
+from drake_twin import TwinBuilder
+from drake_twin.builder.demo import demo_scenario
+
+pytestmark = BROWSER_TESTS
+
+
+def shown(it, tab, key="4"):
+    """The picture of a paused twin from above, and a function that gives its brightness around a point of the world."""
+    it.twin.pause()
+    it.for_frames(3)
+    tab.keyboard.press(key)
+    it.for_frames(2)
+    shot = picture(tab).sum(axis=2) / 765
+
+    def brightness(x, y, z=0.0):
+        at = tools(tab, f"onPicture([{x}, {y}, {z}])")
+        row, column = round(at["y"]), round(at["x"])
+        return float(shot[row - 1 : row + 2, column - 1 : column + 2].mean())
+
+    return shot, brightness
+
+
+def test_a_robot_has_a_shadow_on_the_side_away_from_the_sun(show):
+    """The sun is to the front right: a shadow falls to the rear left, half as long as the robot is high."""
+    it, tab = show(TwinBuilder().robot("arm", ARM).scenario())
+    _, brightness = shown(it, tab)
+    lit = brightness(0.6, -0.42)
+    assert lit == pytest.approx(brightness(0.6, 0.42), abs=0.06)
+    places = [(-0.5 * height, 0.35 * height) for height in np.linspace(0.15, 0.6, 10)]
+    shadowed = [brightness(x, y) < 0.75 * lit for x, y in places]
+    across = [brightness(-x, -y) < 0.75 * lit for x, y in places]
+    assert sum(shadowed) >= 2
+    assert sum(shadowed) > sum(across)
+
+
+def test_the_ground_has_a_grid_of_a_metre(show):
+    """Lines at whole metres are darker than the ground between them, along both axes, also far from the robot."""
+    it, tab = show(rovers(2).scenario())
+    _, brightness = shown(it, tab)
+    between = np.array([brightness(x + 0.55, y + 0.45) for x in (-2, -1, 0) for y in (1, 2)])
+    for lines in (
+        [brightness(x, y + 0.45) for x in (-2, -1, 0) for y in (1, 2)],
+        [brightness(x + 0.55, y) for x in (-2, -1, 0) for y in (1, 2)],
+    ):
+        assert np.median(lines) < 0.95 * np.median(between)
+
+
+def test_the_ground_fades_into_the_sky(show):
+    """There is no edge at the horizon: from row to row the picture changes little above the robots."""
+    it, tab = show(rovers(1).scenario())
+    shot, _ = shown(it, tab, key="2")
+    column = np.median(shot[2 : shot.shape[0] // 2, :40], axis=1)
+    assert np.abs(np.diff(column)).max() < 0.12
+
+
+def test_the_sky_is_dark_where_the_browser_is(show):
+    it, tab = show(rovers(1).scenario())
+    light = shown(it, tab, key="2")[0][:20].mean()
+    tab.emulate_media(color_scheme="dark")
+    assert shown(it, tab, key="2")[0][:20].mean() < 0.5 * light
+    tab.emulate_media(color_scheme="light")
+    assert shown(it, tab, key="2")[0][:20].mean() == pytest.approx(light, abs=0.02)
+
+
+def test_one_robot_fills_a_third_of_the_first_picture(show):
+    it, tab = show(demo_scenario("rover", 1, drive=False))
+    it.twin.pause()
+    it.for_frames(5)
+    shot = picture(tab)
+    rows, columns = orange(shot)
+    assert np.ptp(columns) > shot.shape[1] / 3 or np.ptp(rows) > shot.shape[0] / 3
+
+
+def test_robots_that_drive_away_stay_in_the_picture_until_the_camera_is_moved(show):
+    """The second one stands where no first picture would show it, once it is spawned."""
+    it, tab = show(demo_scenario("rover", 1, drive=False))
+    it.for_frames(5)
+
+    def is_seen():
+        return tools(tab, "areSeen(['robot_1'])")
+
+    assert is_seen()
+    for x in (3.0, 30.0):
+        it.twin.entities.place("robot_1", (x, 1.0, 0.1))
+        it.frames(is_seen)
+    tab.mouse.move(300, 300)
+    tab.mouse.wheel(0, -100)
+    it.frames(lambda: tools(tab, "isTouched"))
+    it.twin.entities.place("robot_1", (-30.0, 1.0, 0.1))
+    it.for_frames(10)
+    assert not is_seen()
+
+
+def test_names_do_not_overlap_and_the_nearest_robots_has_one(show):
+    it, tab = show(rovers(8).scenario())
+    it.twin.pause()
+    it.for_frames(5)
+    tab.get_by_label("Names above robots").click(force=True)
+    tab.keyboard.press("3")
+    picture(tab)
+    labels = tab.frame_locator("#scene").locator(".name:not([hidden])")
+    boxes = [labels.nth(index).bounding_box() for index in range(labels.count())]
+    assert 1 <= len(boxes) < 8
+    for index, one in enumerate(boxes):
+        for other in boxes[:index]:
+            apart_x = abs(one["x"] - other["x"]) >= min(one["width"], other["width"]) - 1
+            assert apart_x or abs(one["y"] - other["y"]) >= one["height"] - 1
+    assert "robot_8" in labels.all_inner_texts()  # it is the nearest of them from the left
