@@ -8,6 +8,7 @@ name one part ("nav2", "moveit") and the Python of the twin, where it is not thi
 """
 
 import argparse
+import importlib.util
 import math
 import os
 import signal
@@ -241,6 +242,7 @@ PARTS = {
     "nav2": ("rover_navigation", "navigation.launch.py", look_at_the_rover, navigate),
     "moveit": ("arduinobot_moveit_config", "move_group.launch.py", look_at_the_arm, lambda list_, _: move(list_)),
 }
+PACKAGES = {"nav2": "nav2_simple_commander", "moveit": "moveit_msgs"}
 
 
 def run_part(part, python):
@@ -262,6 +264,15 @@ def run_part(part, python):
     return checklist.failed, checklist.count
 
 
+def check_packages(parts):
+    """End with a paragraph where a part's package is missing."""
+    lacking = [PACKAGES[part] for part in parts if importlib.util.find_spec(PACKAGES[part]) is None]
+    if lacking:
+        debs = " ".join(f"ros-{os.environ.get('ROS_DISTRO', 'DISTRO')}-{each.replace('_', '-')}" for each in lacking)
+        print(f"error: this ROS 2 lacks {', '.join(lacking)}: `sudo apt install {debs}`", file=sys.stderr)
+        sys.exit(2)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all by default")
@@ -269,6 +280,7 @@ def main():
     arguments = parser.parse_args()
     if unknown := set(arguments.parts) - set(PARTS):
         parser.error(f"unknown part {', '.join(sorted(unknown))}; valid: {', '.join(PARTS)}")
+    check_packages(arguments.parts or PARTS)
     rclpy.init()
     results = [run_part(part, arguments.twin_python) for part in arguments.parts or PARTS]
     failed, count = map(sum, zip(*results, strict=True))

@@ -65,6 +65,8 @@ def _package(client: "Client | None", options: argparse.Namespace) -> int:
 
 def _add_show(parser: ArgumentParser) -> None:
     parser.add_argument("type", metavar="TYPE", help="the type, for example sensor_msgs/msg/JointState")
+    for option in ("--all-comments", "--no-comments"):
+        parser.add_argument(option, action="store_true", help="as in ROS; there are no comments")
 
 
 def _show(client: "Client | None", options: argparse.Namespace) -> int:

@@ -4,7 +4,8 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
@@ -20,6 +21,21 @@ if TYPE_CHECKING:
     from drake_twin.wires.rmw_zenoh_format import GraphEntity
 
 _POLL = 0.1  # s between two counts of the subscribers
+
+
+def _details(client: "Client", topics: Mapping[str, str]) -> str:
+    """Return topics with the numbers of their publishers and subscribers."""
+    from drake_twin.wires.rmw_zenoh_format import PUBLISHER, SUBSCRIPTION
+
+    counts = Counter((item.kind, item.name) for item in client.entities())
+    lines = []
+    for kind, title, one in ((PUBLISHER, "Published", "publisher"), (SUBSCRIPTION, "Subscribed", "subscriber")):
+        lines.append(f"{title} topics:")
+        for name, its in topics.items():
+            if count := counts[kind, name]:
+                lines.append(f" * {name} [{its}] {count} {one}{'s' if count > 1 else ''}")
+        lines.append("")
+    return "\n".join(lines)
 
 
 def _add_info(parser: ArgumentParser) -> None:
@@ -139,7 +155,7 @@ def _pub(client: "Client", options: argparse.Namespace) -> int:
 
 
 VERBS = {
-    **typed_names("topics", lambda client: client.topics()),
+    **typed_names("topics", lambda client: client.topics(), details=_details),
     "info": Verb("print the type of a topic and who publishes and hears it", _add_info, _info),
     "echo": Verb("print the messages of a topic; Ctrl-C ends it", add_echo, echo),
     "hz": Verb("print how often messages arrive, by the wall clock; Ctrl-C ends it", add_hz, hz),

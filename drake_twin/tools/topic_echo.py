@@ -16,6 +16,7 @@ from drake_twin.tools.verb import Arrivals, positive
 if TYPE_CHECKING:
     from drake_twin.client import Client
 
+_IN_IDL = {"float32": "float", "float64": "double", "bool": "boolean", "byte": "octet", "char": "uint8"}  # of rosidl
 _LONGEST = 128  # as `ros2 topic echo` cuts sequences and texts
 
 
@@ -133,6 +134,7 @@ def _array_type(field: Any) -> str | None:
         return None
     (_, element), size = details
     name = element[0] if isinstance(element, tuple) else element
+    name = _IN_IDL.get(name, name)
     if node.name == "ARRAY":
         return f"array type: {name}[{size}]"
     return f"sequence type: {name}{f'[{size}]' if size else ''}, length: {{length}}"

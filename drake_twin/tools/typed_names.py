@@ -13,7 +13,11 @@ if TYPE_CHECKING:
 
 
 def typed_names(
-    noun: str, known: "Callable[[Client], Mapping[str, str]]", *, have_hidden: bool = True
+    noun: str,
+    known: "Callable[[Client], Mapping[str, str]]",
+    *,
+    have_hidden: bool = True,
+    details: "Callable[[Client, Mapping[str, str]], str] | None" = None,
 ) -> dict[str, Verb]:
     """Return the verbs.
 
@@ -21,6 +25,7 @@ def typed_names(
         noun: What they are about, in the plural.
         known: Returns what there is, each with its type.
         have_hidden: Whether some belong to actions, and are hidden.
+        details: Returns what ``list --verbose`` prints of some of them; None without that option.
     """
     one = noun.removesuffix("s")
 
@@ -33,6 +38,8 @@ def typed_names(
 
     def add_list(parser: ArgumentParser) -> None:
         parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
+        if details is not None:
+            parser.add_argument("-v", "--verbose", action="store_true", help="show who has them, too")
         add_both(parser)
 
     def shown(client: "Client", options: "argparse.Namespace") -> dict[str, str]:
@@ -41,6 +48,9 @@ def typed_names(
 
     def print_list(client: "Client", options: "argparse.Namespace") -> int:
         found = shown(client, options)
+        if details is not None and options.verbose and not options.count:
+            print(details(client, found))
+            return 0
         print_names([f"{name} [{kind}]" if options.show_types else name for name, kind in found.items()], options.count)
         return 0
 

@@ -27,6 +27,16 @@ program.{look}(checklist)
 print(f"{{checklist.failed}} of {{checklist.count}} failed")
 """
 
+LACKS = """
+import importlib.util
+
+spec = importlib.util.spec_from_file_location("checklist", {program!r})
+program = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(program)
+program.PACKAGES = {{"nav2": "a_missing_one", "moveit": "moveit_msgs"}}
+program.check_packages(program.PARTS)
+"""
+
 
 def looked(tmp_path, capsys, package, look, without=()):
     """What the checklist says of a bundled simulation, without some of its controllers."""
@@ -63,6 +73,17 @@ def test_without_ros_it_says_what_to_source(tmp_path):
     ran = subprocess.run([sys.executable, "-I", PROGRAM], capture_output=True, text=True, cwd=tmp_path, check=False)
     assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr == "error: no rclpy: source a ROS 2 first, as with `source /opt/ros/jazzy/setup.bash`\n"
+
+
+def test_a_package_that_is_missing_is_named(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    file = script(tmp_path, "lacks.py", LACKS.format(program=str(PROGRAM)))
+    with (
+        TwinBuilder().launch(MODELS / "rover_navigation" / "launch" / "simulation.launch.py").node(file).build() as twin
+    ):
+        twin.advance_to(0.1)
+    text = "error: this ROS 2 lacks a_missing_one: `sudo apt install ros-jazzy-a-missing-one`\n"
+    assert text in capsys.readouterr().err
 
 
 @pytest.mark.ros

@@ -41,6 +41,7 @@ def test_packages_and_their_types(printed):
     assert printed("package", "std_srvs", "-m") == ""
     assert "std_srvs" not in printed("packages", "-m").split()
     assert {"std_srvs", "sensor_msgs"} <= set(printed("packages").split())
+    assert printed("show", "std_srvs/srv/Trigger", "--no-comments") == printed("show", "std_srvs/srv/Trigger")
     assert printed("list", "-s").startswith("Services:\n    ")
     assert "    std_srvs/srv/Trigger\n" in printed("list")
 

@@ -65,6 +65,10 @@ def test_topics_are_those_of_the_twin(tool, twin):
     _, out, _ = tool(topic, "list", "-t")
     assert out.splitlines() == [f"{name} [{kind}]" for name, kind in sorted(twin.graph.topics().items())]
     assert tool(topic, "list", "-c") == (0, f"{len(twin.graph.topics())}\n", "")
+    published, subscribed = tool(topic, "list", "-v")[1].removesuffix("\n\n").split("\n\n")
+    assert published.startswith("Published topics:\n * /clock [rosgraph_msgs/msg/Clock] 1 publisher\n")
+    assert f" * {COMMANDS} [{ARRAY}] 1 subscriber\n" in f"{subscribed}\n"
+    assert subscribed.startswith("Subscribed topics:\n")
     hidden = set(tool(topic, "list", "--include-hidden-topics")[1].split()) - set(twin.graph.topics())
     assert hidden
     assert all("/_action/" in name for name in hidden)

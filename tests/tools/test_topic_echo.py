@@ -20,11 +20,14 @@ def printed(kind, fields, *words):
 def test_arrays_and_texts_are_named_instead_of_printed():
     assert printed("sensor_msgs/msg/JointState", STATE, "--no-arr", "--no-str") == (
         "header:\n  stamp:\n    sec: 1\n    nanosec: 5\n  frame_id: '<string length: <3>>'\n"
-        "name: '<sequence type: string, length: 2>'\nposition: '<sequence type: float64, length: 2>'\n"
-        "velocity: '<sequence type: float64, length: 0>'\neffort: '<sequence type: float64, length: 0>'\n---"
+        "name: '<sequence type: string, length: 2>'\nposition: '<sequence type: double, length: 2>'\n"
+        "velocity: '<sequence type: double, length: 0>'\neffort: '<sequence type: double, length: 0>'\n---"
     )
     covariance = printed("geometry_msgs/msg/PoseWithCovariance", {}, "--no-arr").splitlines()[-2]
-    assert covariance == "covariance: '<array type: float64[36]>'"
+    assert covariance == "covariance: '<array type: double[36]>'"
+    assert printed("std_msgs/msg/ByteMultiArray", {}, "--no-arr").endswith(
+        "data: '<sequence type: octet, length: 0>'\n---"
+    )
     assert "name:\n- '<string length: <1>>'\n- '<string length: <2>>'\n" in printed(
         "sensor_msgs/msg/JointState", STATE, "--no-str"
     )
