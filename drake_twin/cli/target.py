@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
+from drake_twin.description.source_file import regular_open
 from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Finding
 from drake_twin.program import say
@@ -243,8 +244,8 @@ def _is_world(file: Path) -> bool:
 def _start_of(file: Path) -> str:
     """Read a file's start; nothing of one that cannot be read."""
     try:
-        with file.open(encoding="utf-8", errors="replace") as stream:
-            return stream.read(8000)
+        with regular_open(file, encoding="utf-8", errors="replace") as stream:
+            return str(stream.read(8000))
     except OSError:
         return ""
 

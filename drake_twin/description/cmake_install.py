@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from drake_twin.description.source_file import file_text
+
 _KINDS = ("DIRECTORY", "FILES", "PROGRAMS")
 
 # The keywords that end the list of files or folders of an install().
@@ -59,7 +61,7 @@ class _Reading:
     def folder(self, folder: Path) -> Iterator[tuple[str, Path]]:
         """Yield what the CMakeLists.txt of a folder installs."""
         try:
-            text = (folder / "CMakeLists.txt").read_text(encoding="utf-8", errors="replace")
+            text = file_text(folder / "CMakeLists.txt", errors="replace")
         except OSError:
             return
         outer = self._variables.get("CMAKE_CURRENT_SOURCE_DIR")

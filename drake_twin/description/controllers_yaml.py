@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from drake_twin.description.source_file import check_regular
+from drake_twin.description.source_file import check_regular, file_text
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError, did_you_mean
 from drake_twin.findings import Cause, Finding, Kind, Place
@@ -292,7 +292,7 @@ def merge_nested(parameters: dict[str, Any], later: Mapping[str, Any]) -> None:
 def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
     try:
         check_regular(file)
-        text = file.read_text(encoding="utf-8")
+        text = file_text(file)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"the parameters file cannot be read ({error})", file=file) from None
     return YamlDocument(_with_placeholders(text, file, placeholders), file, like_rcl=True)

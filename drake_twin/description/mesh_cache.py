@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
+from urllib.parse import unquote
 
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError, RunError
@@ -188,24 +189,50 @@ def _digest_of_version(source: Path, _modified: int, _size: int) -> str:
     return digest.hexdigest()
 
 
-# How OBJ, MTL and COLLADA files name the materials and pictures in their folder.
+# How OBJ, MTL, COLLADA and glTF files name what is in their folder: materials, pictures, buffers.
 _NAMES_BESIDE = {
-    ".obj": re.compile(rb"^mtllib\s+(.+?)\s*$", re.MULTILINE),
-    ".mtl": re.compile(rb"^\s*map_\w+\s+(?:.*\s)?(\S+)\s*$", re.MULTILINE),
+    ".obj": re.compile(rb"^\s*mtllib\s+(.+?)\s*$", re.MULTILINE),
+    ".mtl": re.compile(rb"^\s*(?i:map_\w+|bump|disp|decal|refl|norm)\s+((?:.*\s)?\S+)\s*$", re.MULTILINE),
     ".dae": re.compile(rb"<init_from>(?:\s*<ref>)?\s*([^<]+?)\s*<"),
+    ".gltf": re.compile(rb'"uri"\s*:\s*"(?!data:)([^"]{1,1000})"'),
 }
 
 
-def _files_beside(source: Path, content: bytes) -> Iterator[Path]:
-    """Yield the materials and pictures that a conversion includes, where they exist."""
+def check_files_beside(source: Path) -> None:
+    """Check the files that a mesh names beside it: those that exist are regular files of reasonable size.
+
+    Raises:
+        InputError: If one is a device, a pipe or too large, which a reader of meshes would wait for.
+        OSError: If the mesh cannot be read.
+    """
+    status = source.stat()
+    _check_beside_version(source, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=4096)
+def _check_beside_version(source: Path, _modified: int, _size: int) -> None:
+    if source.suffix.lower() in _NAMES_BESIDE:
+        for _ in _files_beside(source, source.read_bytes()):
+            pass
+
+
+def _files_beside(source: Path, content: bytes, known: frozenset[Path] = frozenset()) -> Iterator[Path]:
+    """Yield the materials and pictures that a conversion includes, where they exist.
+
+    Raises:
+        InputError: If one is a device, a pipe or too large.
+    """
     names = _NAMES_BESIDE.get(source.suffix.lower())
     for name in names.findall(content) if names is not None else ():
-        beside = source.parent / name.decode(errors="replace")
-        with contextlib.suppress(OSError, ValueError):
-            if beside.is_file():
+        for part in {name, *name.split()[-1:]}:  # of a picture: its name, perhaps after options
+            beside = source.parent / unquote(part.decode(errors="replace")).removeprefix("file://")
+            with contextlib.suppress(OSError, ValueError):
+                if beside in known or beside.is_dir() or not beside.exists():
+                    continue
+                check_regular(beside)
                 yield beside
                 if beside.suffix.lower() == ".mtl":
-                    yield from _files_beside(beside, beside.read_bytes())
+                    yield from _files_beside(beside, beside.read_bytes(), known | {source, beside})
 
 
 def _trim(folder: Path) -> None:

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from drake_twin.description.gltf_file import check_gltf
+from drake_twin.description.mesh_cache import check_files_beside
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
 from drake_twin.progress import tell
@@ -29,6 +31,7 @@ _MANY_BYTES = 10_000_000  # what takes seconds to read: progress is told
 _NOT_FINITE = re.compile(rb"(?i)[\s>][+-]?(nan|inf)")  # a number, in XML
 _DECIMATE = "decimate it, in Blender or MeshLab for example"
 
+_SMALLEST = 1e-11  # mesh units; of smaller ones Drake computes no hull
 _FARTHEST = 1e12  # mesh units; larger coordinates are invalid, and overflow in the simulation
 
 # Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
@@ -47,6 +50,7 @@ def check_mesh_file(file: Path) -> None:
         raise InputError(what, file=file, valid=MESH_SUFFIXES)
     try:
         check_regular(file)
+        check_files_beside(file)
         size = file.stat().st_size
         if suffix == ".stl":
             with file.open("rb") as content:
@@ -95,6 +99,8 @@ def read_scene(file: Path) -> tuple[Any, int]:
     if file.stat().st_size > _MANY_BYTES:
         tell(f"reads {file.name} ({file.stat().st_size / 1e6:.0f} MB)")
     with reading(file):
+        if file.suffix.lower() in (".gltf", ".glb"):
+            check_gltf(file)
         if file.suffix.lower() == ".dae":
             _check_corners_of_dae(file)
         scene = trimesh.load_scene(file, process=False)
@@ -137,4 +143,6 @@ def single_mesh(scene: Any, file: Path) -> Any:
     _check_count(file, len(mesh.faces))
     if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
         raise InputError("the mesh has vertices that are not finite points in space", file=file)
+    if np.ptp(mesh.vertices, axis=0).max() <= _SMALLEST:
+        raise InputError("all corners of the mesh are in one point", file=file)
     return mesh

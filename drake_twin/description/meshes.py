@@ -17,6 +17,7 @@ from drake_twin.description.hull import hull_of
 from drake_twin.description.mesh_cache import cached, note_source
 from drake_twin.description.mesh_faults import THINNEST, MeshFaults, faults_of
 from drake_twin.description.mesh_file import Z_UP_TO_Y_UP, check_mesh_file, read_scene, reading, single_mesh
+from drake_twin.description.obj_file import obj_is_sound
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
@@ -76,7 +77,10 @@ def visual_mesh(file: Path) -> Path:
     """
     check_mesh_file(file)
     suffix = file.suffix.lower()
-    if suffix == ".gltf" or (suffix == ".obj" and _has_normals(file)):
+    if suffix == ".gltf":
+        mesh_faults(file)  # raises if it cannot be read: Drake reads it itself, and must not fail at it
+        return file
+    if suffix == ".obj" and _has_normals(file) and _is_sound_obj(file):
         return file
     plain = _has_no_colors(file)
     return cached(file, ".visual.obj" if plain else ".visual.gltf", _visual_obj if plain else _visual_gltf)
@@ -91,7 +95,7 @@ def mesh_for_mjcf(file: Path) -> Path:
         InputError: As `visual_mesh`.
     """
     check_mesh_file(file)
-    if file.suffix.lower() == ".obj" and _has_normals(file):
+    if file.suffix.lower() == ".obj" and _has_normals(file) and _is_sound_obj(file):
         return file
     return (
         cached(file, ".thick.obj", _thick_obj)
@@ -194,6 +198,11 @@ def _has_normals(file: Path) -> bool:
     """Tell whether a file gives its own normals; an STL's are its triangles'."""
     mark = _NORMALS.get(file.suffix.lower())
     return mark is not None and re.search(mark, _bytes(file), re.MULTILINE) is not None
+
+
+def _is_sound_obj(file: Path) -> bool:
+    """Tell whether Drake's reader of OBJ accepts a file; known where it was examined before."""
+    return cached(file, ".sound.txt", lambda source: str(obj_is_sound(_bytes(source))).encode()).read_bytes() == b"True"
 
 
 def _has_no_colors(file: Path) -> bool:

@@ -11,7 +11,7 @@ from lxml import etree
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.sdf_document import sdf_version
-from drake_twin.description.source_file import read_xml
+from drake_twin.description.source_file import file_bytes, read_xml
 from drake_twin.errors import InputError
 
 _SUN = """<sdf version="1.9"><light name="sun" type="directional"><cast_shadows>true</cast_shadows>
@@ -161,7 +161,7 @@ def _model_file(folder: Path) -> Path:
     """Return the newest SDF file that a model's ``model.config`` names."""
     for name in ("model.config", "manifest.xml"):
         try:
-            found = etree.parse(folder / name).getroot().findall("sdf")
+            found = etree.fromstring(file_bytes(folder / name)).findall("sdf")
         except (OSError, etree.XMLSyntaxError):
             continue
         files = [(sdf_version(element), (element.text or "").strip()) for element in found]

@@ -14,6 +14,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import file_text
+
 MOST_FILES = 10_000
 _MOST_STATEMENTS = 100_000  # with loops unrolled
 _LONGEST = 100_000  # characters of a string
@@ -23,7 +25,7 @@ def read_setup_py(package: Path) -> "SetupReader":
     """Return what a package's setup.py says; nothing, if it has none or it cannot be parsed."""
     reader = SetupReader(package)
     try:
-        tree = ast.parse((package / "setup.py").read_text(encoding="utf-8", errors="replace"))
+        tree = ast.parse(file_text(package / "setup.py", errors="replace"))
     except (OSError, SyntaxError, ValueError, RecursionError):
         return reader
     reader.run(tree.body)

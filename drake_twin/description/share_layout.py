@@ -19,6 +19,7 @@ from lxml import etree
 from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.mesh_cache import in_cache
 from drake_twin.description.setup_py import setup_installs
+from drake_twin.description.source_file import file_bytes
 
 # Folders that packages usually install to the top of their share folder.
 _USUAL_FOLDERS = {"config", "gazebo", "launch", "maps", "meshes", "models", "params", "ros2_control", "rviz"}
@@ -72,7 +73,7 @@ def _view(folder: Path, name: str, entries: list[tuple[str, Path | None]]) -> Pa
 def package_name(folder: Path) -> str:
     """Return the ``<name>`` in a folder's ``package.xml``, or the folder's own name."""
     try:
-        return (etree.parse(folder / "package.xml").findtext("name") or folder.name).strip()
+        return (etree.fromstring(file_bytes(folder / "package.xml")).findtext("name") or folder.name).strip()
     except (etree.XMLSyntaxError, OSError):
         return folder.name
 

@@ -1,9 +1,12 @@
 """Files of a robot or a world, read as bytes or as XML in any encoding; devices and huge files are refused."""
 
 import codecs
+import os
 import re
 import stat
+from errno import EFBIG, EINVAL, EISDIR
 from pathlib import Path
+from typing import IO, Any
 
 from drake_twin.errors import InputError
 
@@ -21,6 +24,48 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16"),
     (codecs.BOM_UTF8, "utf-8-sig"),
 )
+
+
+def file_bytes(file: str | Path) -> bytes:
+    """Return the content of a file that a stranger may have written: a regular one of reasonable size.
+
+    Raises:
+        OSError: If it cannot be read, or is something else, such as a pipe, which a reader would wait for.
+    """
+    descriptor = os.open(file, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))  # or the opening of a pipe would wait
+    with open(descriptor, "rb") as stream:
+        status = os.fstat(descriptor)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(file))
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(EINVAL, "this is not a file, but a device or a pipe", str(file))
+        if status.st_size > _MOST_BYTES:
+            raise OSError(EFBIG, "the file has more than one gigabyte", str(file))
+        return stream.read()
+
+
+def file_text(file: str | Path, encoding: str = "utf-8", errors: str = "strict") -> str:
+    """Return the text of a file that a stranger may have written, with the ends of lines of ``open``.
+
+    Raises:
+        OSError: As `file_bytes`.
+        UnicodeDecodeError: If it is not text in its encoding.
+    """
+    return file_bytes(file).decode(encoding, errors).replace("\r\n", "\n").replace("\r", "\n")
+
+
+def regular_open(file: Any, mode: str = "r", *arguments: Any, **more: Any) -> IO[Any]:
+    """Open a file as ``open`` does, but refuse to read anything but a regular one.
+
+    Raises:
+        OSError: As `file_bytes`, or as ``open``.
+    """
+    if "r" in mode and isinstance(file, str | Path):
+        try:
+            check_regular(Path(file))
+        except InputError as error:
+            raise OSError(EINVAL, error.message, str(file)) from None
+    return open(file, mode, *arguments, **more)
 
 
 def check_regular(file: Path) -> None:

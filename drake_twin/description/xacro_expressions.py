@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from drake_twin.description.bounded_yaml import LOADER
+from drake_twin.description.source_file import regular_open
 
 _LONGEST = 30.0  # s for one file; the largest public robots take two
 _MOST_BITS = 1 << 16
@@ -113,6 +114,7 @@ def bounded_expressions(xacro: Any) -> Iterator[None]:
             if xacro.safe_eval is safe_eval:
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(TooLongError))
 
+    xacro.open = regular_open  # a pipe would be waited for, which no time limit ends
     timer = threading.Timer(_LONGEST, interrupt)
     timer.daemon = True
     xacro.safe_eval = safe_eval

@@ -20,6 +20,7 @@ from xml.parsers.expat import ExpatError
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.source_file import file_bytes
 from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
 from drake_twin.description.xacro_surroundings import Answers, XacroSurroundings
 from drake_twin.errors import InputError
@@ -155,7 +156,7 @@ def xacro_arguments(file: Path, packages: PackageIndex) -> dict[str, str]:
             continue
         seen.add(current)
         try:
-            tree = etree.parse(current)
+            tree = etree.parse(io.BytesIO(file_bytes(current)))
         except (etree.XMLSyntaxError, OSError):
             continue  # expanding the file reports what is wrong with it
         for element in tree.iter(*(f"{{{namespace}}}*" for namespace in _XACRO_NAMESPACES)):
@@ -206,7 +207,9 @@ def tags_with_places(xacro: Any) -> Iterator[None]:
         document = original(text, filename)
         name = str(filename or getattr(text, "name", ""))
         with contextlib.suppress(etree.XMLSyntaxError, OSError):
-            lines: list[Any] = [element.sourceline for element in etree.parse(name).iter(etree.Element)]
+            lines: list[Any] = [
+                element.sourceline for element in etree.fromstring(file_bytes(name)).iter(etree.Element)
+            ]
             for element, line in zip(document.getElementsByTagName("*"), lines, strict=False):
                 element.tagName = element.nodeName = tag = _Tag(element.tagName)
                 tag.place = Place(name, line)

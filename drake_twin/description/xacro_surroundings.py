@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.source_file import file_bytes
 from drake_twin.errors import InputError
 
 # A question by its kind and its words, and the answer to it.
@@ -80,5 +81,5 @@ class XacroSurroundings:
 
 def _content(name: str) -> bytes | None:
     with contextlib.suppress(OSError):
-        return Path(name).read_bytes()
+        return file_bytes(name)
     return None

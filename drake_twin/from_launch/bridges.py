@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import file_text
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import did_you_mean
 from drake_twin.findings import Finding, Kind, Place
@@ -128,7 +129,7 @@ def _in_file(process: LaunchedProcess, findings: list[Finding]) -> Iterator[Brid
         what = f"{process.what}: its config_file {name} does not exist"
         findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
         return
-    document = YamlDocument(file.read_text(encoding="utf-8", errors="replace"), file)
+    document = YamlDocument(file_text(file, errors="replace"), file)
     entries = document.data
     if not isinstance(entries, list):
         what = f"{process.what}: its config_file is not a list of topics"

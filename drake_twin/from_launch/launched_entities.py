@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
+from drake_twin.description.source_file import file_text
 from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 from drake_twin.findings import Cause, Finding, Kind, Place, Weight
@@ -317,7 +318,7 @@ class _Sorter:
 
         A file for any node (``/**``) and no other becomes one for the controller: only it reads the file.
         """
-        text = file.read_text(encoding="utf-8", errors="replace")
+        text = file_text(file, errors="replace")
         known = self._launched.configurations
         filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
         if re.findall(r"^[^\s#-].*?:", filled, re.MULTILINE) in (["/**:"], ["'/**':"], ['"/**":']):

@@ -8,6 +8,7 @@ from pathlib import Path
 from drake_twin.description.built_in_programs import built_in_programs
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.python_programs import is_python, python_programs
+from drake_twin.description.source_file import file_bytes, file_text
 from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.launched_robots import LaunchedRobot, parameter_file
 from drake_twin.ros2.launched import (
@@ -126,7 +127,7 @@ def spawns(node: NodeProgram, packages: PackageIndex, file: Path) -> bool:
             program = python_programs(packages.find(node.package, str(file))).get(node.executable)
             source = source if program is None else program.file
     try:
-        return _SPAWN_SERVICE in source.read_bytes()
+        return _SPAWN_SERVICE in file_bytes(source)
     except OSError:
         return False
 
@@ -149,10 +150,6 @@ def _script(process: LaunchedProcess) -> NodeProgram | None:
     if Path(words[0]).name.startswith("python"):
         words = words[1:]
     file = Path(words[0]) if words else Path()
-    if (
-        not file.is_absolute()
-        or not is_python(file)
-        or "rclpy" not in file.read_text(encoding="utf-8", errors="replace")
-    ):
+    if not file.is_absolute() or not is_python(file) or "rclpy" not in file_text(file, errors="replace"):
         return None
     return NodeProgram(str(file), arguments=tuple(words[1:]), time=process.start_time, respawn=_respawn(process))

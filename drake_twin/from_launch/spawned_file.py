@@ -4,6 +4,7 @@ from pathlib import Path
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.sdf_addresses import NotIncludedError, SdfAddresses
+from drake_twin.description.source_file import file_text
 from drake_twin.errors import InputError
 from drake_twin.ros2.launched import LaunchedProcess
 
@@ -31,7 +32,7 @@ def spawned_file(file: str, process: LaunchedProcess, packages: PackageIndex) ->
         try:
             path = packages.resolve(file, process.place.file)
             if not path.is_dir():
-                return path.read_text(encoding="utf-8"), path
+                return file_text(path), path
             problem = InputError("it is a folder, not a robot file", file=path)
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot read the file ({error})", file=file) from None

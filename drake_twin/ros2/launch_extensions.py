@@ -13,6 +13,7 @@ from configparser import Error as ConfigError
 from pathlib import Path
 
 from drake_twin.description.package_index import containing_package, packages_in, workspace_of
+from drake_twin.description.source_file import file_text
 from drake_twin.extensions import entry_points_of
 from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.launch_context import LaunchContext
@@ -98,7 +99,7 @@ def _of_config(file: Path, section: str) -> list[str]:
 
 def _of_setup_py(file: Path) -> list[str]:
     try:
-        tree = ast.parse(file.read_text(encoding="utf-8", errors="replace"))
+        tree = ast.parse(file_text(file, errors="replace"))
     except (OSError, SyntaxError, ValueError, RecursionError):
         return []
     lines: list[str] = []

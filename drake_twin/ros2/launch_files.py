@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import file_text
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import built_in_arguments, built_in_processes
@@ -54,7 +55,7 @@ def _form_of(path: Path) -> str:
 
 def _read_start(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8", errors="replace")[:100_000]
+        return file_text(path, errors="replace")[:100_000]
     except OSError as error:
         raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import file_bytes
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description import LaunchDescription
@@ -49,7 +50,7 @@ def load_python_module(path: str, context: LaunchContext) -> types.ModuleType:
         InputError: If it cannot be read, or its code fails.
     """
     try:
-        source = Path(path).read_bytes()
+        source = file_bytes(path)
     except OSError as error:
         raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
     module = types.ModuleType(_MODULE_NAME)

@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 
 from drake_twin.description.lasting_files import lasting_file
+from drake_twin.description.source_file import file_text
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
@@ -56,7 +57,7 @@ def read_parameter_file(path: Path) -> str:
     if absent is not None:
         raise AbsentError(f"package {absent!r} is absent, and a file of it is read: {path}")
     try:
-        return path.read_text(encoding="utf-8")
+        return file_text(path)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"the parameter file {path} cannot be read ({reason})") from None

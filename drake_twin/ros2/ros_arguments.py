@@ -12,6 +12,7 @@ from typing import Any
 
 import yaml
 
+from drake_twin.description.source_file import file_text
 from drake_twin.ros2.launched import ParameterValue
 from drake_twin.ros2.rcl_yaml import Parameters, RclYamlError, read_parameters, read_value
 
@@ -162,7 +163,7 @@ def _problem(option: str, value: str) -> str:
         if option == "-p":
             read_value(value.partition(":=")[2])
         if option == "--params-file":
-            read_parameters(Path(value).read_text(encoding="utf-8"), {})
+            read_parameters(file_text(value), {})
     except RclYamlError as error:
         return str(error)
     except (OSError, UnicodeDecodeError):
@@ -195,7 +196,7 @@ def parameters_of(node: str, items: Sequence[Path | Mapping[str, Any]]) -> dict[
                 )
             continue
         try:
-            read_parameters(Path(item).read_text(encoding="utf-8"), given)
+            read_parameters(file_text(item), given)
         except (OSError, UnicodeDecodeError, RclYamlError) as error:
             raise RosArgumentsError(f"Couldn't parse params file: '{item}'. Error: {error}") from None
     found: dict[str, Any] = {}

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from drake_twin.description.source_file import check_regular
+from drake_twin.description.source_file import check_regular, file_text
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError
@@ -65,7 +65,7 @@ class ScenarioFile:
         """
         try:
             check_regular(Path(file))
-            return cls(Path(file).read_text(encoding="utf-8"), file)
+            return cls(file_text(file), file)
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"the scenario cannot be read ({error})", file=file) from None
 

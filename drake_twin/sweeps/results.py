@@ -18,6 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import file_bytes
 from drake_twin.errors import InputError, RunError
 from drake_twin.requirements import RequirementError, missing
 from drake_twin.sweeps.episode import COLUMNS, Row, Sweep
@@ -250,7 +251,7 @@ def _read(file: Path) -> tuple[dict[str, Any], list[Row]]:
         pa = _pyarrow()
         table = pa.parquet.read_table(file)
         return json.loads(table.schema.metadata[_KEY.encode()]), table.to_pylist()
-    first, _, rest = file.read_bytes().decode().partition("\n")
+    first, _, rest = file_bytes(file).decode().partition("\n")
     definition = json.loads(first.removeprefix("# "))[_KEY]
     if file.suffix == ".csv":
         return definition, [_of_text(row, definition) for row in csv.DictReader(io.StringIO(rest, newline=""))]

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.description.bounded_yaml import load_yaml as load_yaml_text
+from drake_twin.description.source_file import file_text
 from drake_twin.ros2.ament_index_python.packages import get_package_share_directory
 from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.packages import AbsentError, absent_package_in
@@ -21,7 +22,7 @@ def load_file(file_path: Path, mappings: Mapping[str, Any] | None = None) -> str
     Raises:
         ParameterBuilderFileNotFoundError: If it does not exist.
     """
-    return _existing(file_path).read_text(encoding="utf-8")
+    return file_text(_existing(file_path))
 
 
 def load_yaml(file_path: Path, mappings: Mapping[str, Any] | None = None) -> Any:

@@ -1,7 +1,6 @@
 """XML and YAML launch files: their text, and the launch description of their elements."""
 
-from pathlib import Path
-
+from drake_twin.description.source_file import file_text
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.parser import Parser
@@ -17,7 +16,7 @@ def read_launch_file(path: str) -> str:
         InputError: If it cannot be read, or is not UTF-8.
     """
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
+        return file_text(path, "utf-8-sig")
     except OSError as error:
         raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
     except UnicodeDecodeError as error:

@@ -1,5 +1,6 @@
 """The text of a file."""
 
+from drake_twin.description.source_file import file_text
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
@@ -26,6 +27,6 @@ class FileContent(Substitution):
         if absent is not None:
             raise AbsentFailure(f"package {absent!r} is absent, and a file of it is read: {path}")
         try:
-            return path.read_text(encoding="utf-8")
+            return file_text(path)
         except (OSError, UnicodeDecodeError) as error:
             raise SubstitutionFailure(f"cannot be read ({error})", file=path) from None
