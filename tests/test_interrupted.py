@@ -7,7 +7,7 @@ from conftest import ARM
 
 from drake_twin import TwinBuilder
 from drake_twin.controllers.joint_trajectory_controller import JointTrajectoryController
-from drake_twin.errors import InputError
+from drake_twin.errors import ThreadError
 
 ENGINES = {
     "1ms": {"time_step": 0.001},
@@ -65,21 +65,21 @@ def test_a_twin_that_is_interrupted_in_a_step_goes_on_as_if_it_had_not_been(tmp_
 
 def test_a_second_thread_is_refused_in_words_and_the_first_goes_on():
     twin = TwinBuilder(time_step=0.01).robot("arm", ARM).build()
-    inside, refused, said = Event(), Event(), []
+    inside, refused = Event(), Event()
 
     def wait(message):
         inside.set()
         refused.wait()
 
     twin.subscribe("/arm/joint_states", wait)
-    thread = Thread(target=twin.advance_to, args=(0.5,))
+    twin.owner.hand_over()
+    thread = Thread(target=twin.advance_to, args=(0.5,), name="first")
     thread.start()
-    inside.wait()
+    assert inside.wait(60.0)
     try:
-        twin.advance_to(1.0)
-    except InputError as error:
-        said.append(str(error))
-    refused.set()
-    thread.join()
-    assert said == ["one thread cannot advance a twin that another one advances: let it pause or end first."]
+        with pytest.raises(ThreadError, match="twin.advance_to: the twin belongs to the thread 'first'"):
+            twin.advance_to(1.0)
+    finally:
+        refused.set()
+        thread.join()
     assert twin.time == pytest.approx(0.5)
