@@ -77,7 +77,7 @@ def test_a_second_thread_is_refused_in_words_and_the_first_goes_on():
     thread.start()
     assert inside.wait(60.0)
     try:
-        with pytest.raises(ThreadError, match="twin.advance_to: the twin belongs to the thread 'first'"):
+        with pytest.raises(ThreadError, match=r"twin.advance_to: the twin belongs to the thread 'first'"):
             twin.advance_to(1.0)
     finally:
         refused.set()
