@@ -337,13 +337,17 @@ MUTANTS = (
             "self._before.expiries, self._before.queue",
             "self._before.expiries, []",
         ),
-        ("commands: the last is the first", "in reversed(self.queue)", "in self.queue"),
+        ("commands: the last is the first", "value in reversed(self.queue) if", "value in self.queue if"),
         (
             "commands: only silenced ones are published",
             "scheduled.topic not in self.silenced",
             "scheduled.topic in self.silenced",
         ),
-        ("commands: a goal drops others' commands", "self.queue.append((topic, value))", "pass"),
+        (
+            "commands: a goal drops others' commands",
+            "else:\n                self.queue.append((topic, value))",
+            "else:\n                pass",
+        ),
         ("commands: a saved silence is lost", 'set(state["silenced"])', "set()"),
         (
             "commands: robots clear each other's",
@@ -362,7 +366,11 @@ MUTANTS = (
             "control is None",
         ),
         ("session: pushes end with a rebuild", "self.wrenches.put(self.wrenches.items)", "self.wrenches.put(())"),
-        ("session: a rebuild counts old steps", "step_at(self.clock.time, scenario.time_step)", "self.clock.step"),
+        (
+            "session: a rebuild counts old steps",
+            "self.clock.use(scenario.time_step)",
+            "self.clock.time_step = scenario.time_step",
+        ),
         ("session: new robots are not started", "if control is not known.get(name):", "if control is known.get(name):"),
         (
             "session: goals of all end with a rebuild",
@@ -401,8 +409,12 @@ MUTANTS = (
         STEPPER,
         ("stepper: checks where the time is cut", "(clock.step // steps + 1) * steps", "clock.step + steps"),
         ("stepper: two steps are tried once", "if end > clock.step + 1:", "if end > clock.step + 2:"),
-        ("stepper: the failed step counts", "physics.moment(), step\n", "physics.moment(), step + 1\n"),
-        ("stepper: a thread is a callback", "if self._thread != get_ident():", "if self._thread == get_ident():"),
+        ("stepper: the failed step counts", "clock.go_to(step)\n", "clock.go_to(step + 1)\n"),
+        (
+            "stepper: a callback advances",
+            "if self._is_advancing:\n            self.refuse",
+            "if not self._is_advancing:\n            self.refuse",
+        ),
         ("stepper: an end leaves a step out", "(step + 0.5) * time_step", "(step + 1.0) * time_step"),
         ("stepper: the target counts old steps", "target = step_at(end, clock.time_step)", "target = int(target)"),
         ("stepper: faulty controllers stay", "control.deactivate_faulty()", "control.check_joints()"),

@@ -10,6 +10,7 @@ import drake_twin
 PACKAGE = str(Path(drake_twin.__file__).parent)
 TOPIC = "/robot_1/forward_velocity_controller/commands"
 MOST_CALLS = 30
+GUARD = "twin/owner.py:_guarded.<locals>.guarded"  # around each public member, see drake_twin/twin/owner.py
 
 
 def walk(*calls):
@@ -39,4 +40,5 @@ def test_a_published_number_reaches_its_port_in_few_calls():
     context = twin.diagram.GetSubsystemByName("robot_1").GetMyContextFromRoot(twin.context)
     assert desired_state.Eval(context).tolist()[-4:] == [2.0, 2.0, 2.0, 2.0]
     assert any("JointServo" in function for function in entered), "what is counted ends at the servo"
+    entered = [function for function in entered if function != GUARD]
     assert len(entered) <= MOST_CALLS, "\n".join(entered)

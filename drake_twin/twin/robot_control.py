@@ -5,6 +5,7 @@ import logging
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
@@ -146,7 +147,7 @@ class RobotControl:
         try:
             kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
             message: Any
-            if kind == "std_msgs/msg/Float64MultiArray" and messages.is_bare(data):
+            if kind == "std_msgs/msg/Float64MultiArray" and isinstance(data, list | tuple | np.ndarray):
                 message = messages.Numbers.read(data)
             else:
                 message = messages.message(kind, data)

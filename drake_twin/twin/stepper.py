@@ -72,7 +72,8 @@ class Stepper:
             InputError: If the session is advancing already.
             RunError: If a step fails; the state is the one before that step then.
         """
-        self.refuse_inside_callback("advance")
+        if self._is_advancing:
+            self.refuse_inside_callback("advance")
         self._is_advancing = True
         session, clock = self._session, self._session.clock
         start = clock.step * clock.time_step

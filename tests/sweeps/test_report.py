@@ -81,7 +81,7 @@ def test_the_report_has_the_most_frequent_the_least_and_the_most_telling_first()
 def drawn(folder, monkeypatch, pairs):
     """What `draw` makes of values and metrics: the dots, and the line of medians."""
     figures = []
-    monkeypatch.setattr(Figure, "savefig", lambda self, file: figures.append(self))
+    monkeypatch.setattr(Figure, "savefig", lambda self, file, **more: figures.append(self))
     rows = [{"episode": number, "x": float(x), "y": float(y)} for number, (x, y) in enumerate(pairs)]
     draw(folder / "plot.png", {"vary": [["x", sorted({x for x, _ in pairs})]]}, rows)
     (axis,) = figures[0].axes
