@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf, pi
 
 import numpy as np
-from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, Shape
+from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, Role, Shape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.systems.framework import DiagramBuilder
@@ -62,9 +62,11 @@ class ArmModel:
         root = plant.GetBodyByName(plan.model.root_body, instance)
         plant.WeldFrames(plant.world_frame(), root.body_frame())
         names: dict[GeometryId, str] = {}
+        inspector = scene_graph.model_inspector()
         for index in plant.GetBodyIndices(instance):
             body = plant.get_body(index)
-            for geometry in plant.GetCollisionGeometriesForBody(body):
+            # Not the plant's list: pydrake's ids of it would end with the next geometry of the body.
+            for geometry in inspector.GetGeometries(plant.GetBodyFrameIdOrThrow(index), Role.kProximity):
                 names[geometry] = urdf_link_name(body.name())
         self._own = len(names)
         for number, item in enumerate(bodies):
