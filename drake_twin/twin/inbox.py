@@ -17,6 +17,8 @@ _T = TypeVar("_T")
 MOST = 1000  # requests that wait
 MOST_BYTES = 256 << 20  # of their messages
 PERIOD = 0.005  # s of simulation time between two looks; each millisecond would cost half as much as the physics
+QUIET = 200  # looks that found nothing, after which one in `SELDOM` is enough: twenty times a second
+SELDOM = 10
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class Inbox(Owned, path="twin.inbox"):
         self.is_open = self.is_urgent = False
         self._waiting: deque[_Request] = deque()
         self._bytes = 0
+        self._quiet_looks = 0
         self._lock = Lock()
         self._arrived = Event()
 
@@ -59,6 +62,16 @@ class Inbox(Owned, path="twin.inbox"):
     @any_thread
     def is_waiting(self) -> bool:
         """Whether a request waits."""
+        return bool(self._waiting)
+
+    @property
+    def period(self) -> float:
+        """The simulation time (s) until the next look: it is longer where nobody has asked for anything for long."""
+        return PERIOD if self._quiet_looks < QUIET else SELDOM * PERIOD
+
+    def has_request(self) -> bool:
+        """Look whether a request waits; looks that find none are counted until one comes."""
+        self._quiet_looks += 1
         return bool(self._waiting)
 
     @any_thread
@@ -171,6 +184,7 @@ class Inbox(Owned, path="twin.inbox"):
             False if something was dropped: an older request, or, of no topic, this one.
         """
         request = _Request(act, topic, must_stay, between_advances, size)
+        self._quiet_looks = 0
         with self._lock:
             is_full = len(self._waiting) >= MOST or (size > 0 and self._bytes > MOST_BYTES)
             if is_full and topic is None:

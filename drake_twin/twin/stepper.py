@@ -13,7 +13,7 @@ from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import CENIC
 from drake_twin.twin.failure import failure, is_possible
-from drake_twin.twin.inbox import PERIOD, Inbox
+from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.physics import Moment
 from drake_twin.twin.schedule import ScheduledCommand, step_at
 from drake_twin.twin.session import Session
@@ -176,10 +176,10 @@ class Stepper:
             physics.meet_new_events()
         status = None
         if self._inbox.is_open:  # a look into it costs less than a stop
-            period = clock.steps(PERIOD)
-            for look in range((clock.step // period + 1) * period, step, period):
+            look = clock.step
+            while (look := (look // (period := clock.steps(self._inbox.period)) + 1) * period) < step:
                 status = physics.simulator.AdvanceTo(physics.time_of(look))
-                if self._inbox.is_waiting or status.reason() == _TERMINATED:
+                if self._inbox.has_request() or status.reason() == _TERMINATED:
                     break
                 status = None
         status = status or physics.simulator.AdvanceTo(physics.time_of(step))
