@@ -31,7 +31,6 @@ _MANY_BYTES = 10_000_000  # what takes seconds to read: progress is told
 _NOT_FINITE = re.compile(rb"(?i)[\s>][+-]?(nan|inf)")  # a number, in XML
 _DECIMATE = "decimate it, in Blender or MeshLab for example"
 
-_SMALLEST = 1e-11  # mesh units; of smaller ones Drake computes no hull
 _FARTHEST = 1e12  # mesh units; larger coordinates are invalid, and overflow in the simulation
 
 # Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
@@ -143,6 +142,4 @@ def single_mesh(scene: Any, file: Path) -> Any:
     _check_count(file, len(mesh.faces))
     if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
         raise InputError("the mesh has vertices that are not finite points in space", file=file)
-    if np.ptp(mesh.vertices, axis=0).max() <= _SMALLEST:
-        raise InputError("all corners of the mesh are in one point", file=file)
     return mesh

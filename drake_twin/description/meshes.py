@@ -22,6 +22,7 @@ from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
 
+_SMALLEST = 1e-11  # mesh units; of smaller ones Drake computes no hull
 HULL = ".hull.obj"  # the end of the names of convex hulls
 _FAULTS = ".faults.json"
 
@@ -321,7 +322,7 @@ def _different(points: np.ndarray) -> np.ndarray:
 
 def _spread(vertices: np.ndarray, file: Path) -> np.ndarray:
     """Return the corners of a mesh, unless all are in one point."""
-    if not np.ptp(vertices, axis=0).any():
+    if np.ptp(vertices, axis=0).max() <= _SMALLEST:
         raise InputError("all corners of the mesh are in one point", file=file)
     return vertices
 

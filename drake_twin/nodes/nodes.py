@@ -93,8 +93,7 @@ class Nodes:
         twin.more_topics = self.graph
         sys.meta_path.insert(0, self._finder)
         simulated_time.install()
-        self._has_baton = lambda: self._turns.is_here
-        twin.owner.guests.append(self._has_baton)
+        twin.owner.guests.append(self._turns.has_baton)
         alarm = twin.alarm
         alarm.call, alarm.jumped = self._slot, self._jump
         alarm.hasten(twin.time)
@@ -120,7 +119,7 @@ class Nodes:
         twin.more_topics = None
         if self._uses_inbox:
             twin.inbox.close()
-        twin.owner.guests.remove(self._has_baton)
+        twin.owner.guests.remove(self._turns.has_baton)
         simulated_time.uninstall()
         sys.meta_path.remove(self._finder)
 

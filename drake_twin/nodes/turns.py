@@ -78,9 +78,8 @@ class Turns:
         place = [index for index, other in enumerate(self.tasks) if other.program.index <= task.program.index]
         self.tasks.insert(place[-1] + 1 if place else 0, task)
 
-    @property
-    def is_here(self) -> bool:
-        """Whether the calling thread has the baton."""
+    def has_baton(self) -> bool:
+        """Return whether the calling thread has the baton."""
         task = self._running
         return task is not None and not task.is_outside and here() is task
 

@@ -13,7 +13,7 @@ from drake_twin.controllers.registry import controller_types
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.twin.controller_switch import Switch, SwitchRules
-from drake_twin.twin.owner import Owned, Owner
+from drake_twin.twin.owner import Owned, Owner, any_thread
 
 # Strictness of a switch, as in controller_manager_msgs/srv/SwitchController.
 UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 0, 1, 2, 3, 4
@@ -147,6 +147,7 @@ class ControllerManager(Owned, path="twin.control.manager(…)"):
         """The active controllers, in the order of loading."""
         return tuple(name for name, state in self._states.items() if state == ACTIVE)
 
+    @any_thread
     def is_active(self, controller: str) -> bool:
         """Return whether a controller is active."""
         return self._states.get(controller) == ACTIVE

@@ -101,6 +101,9 @@ class Graph(Group, path="twin.graph"):
 
     def deliver(self, topic: Any, data: Any) -> None:
         """Publish a command that is not recorded, such as a timed one; see `Twin.publish`."""
+        self._deliver(topic, data)
+
+    def _deliver(self, topic: Any, data: Any) -> None:
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
@@ -273,7 +276,7 @@ class Graph(Group, path="twin.graph"):
     def feed(self, subscriptions: Subscriptions) -> None:
         """Let subscriptions take their messages from here."""
         subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
-        subscriptions.read, subscriptions.publication, subscriptions.draft = self.read, self._publication, self.draft
+        subscriptions.read, subscriptions.publication, subscriptions.draft = self._read, self._publication, self._draft
 
     def _publication(self, topic: str, reading: Reading) -> Any:
         item = self._session.physics.built.published.get(topic)
@@ -281,6 +284,9 @@ class Graph(Group, path="twin.graph"):
 
     def read(self) -> Reading:
         """Read what messages are drafted from, at the present time."""
+        return self._read()
+
+    def _read(self) -> Reading:
         physics = self._session.physics
         return Reading(physics.built.plant, physics.context)
 
@@ -290,6 +296,9 @@ class Graph(Group, path="twin.graph"):
         Raises:
             RunError: If it needs the step to come, and Drake cannot solve it.
         """
+        return self._draft(topic, reading)
+
+    def _draft(self, topic: str, reading: Reading) -> Draft | None:
         item = self._session.physics.built.published.get(topic)
         if item is None:
             event = self._event(topic)

@@ -84,8 +84,11 @@ class Owner(Single):
         Raises:
             ThreadError: If the twin belongs to another thread.
         """
-        if self.here.is_owner or any(is_guest() for is_guest in self.guests):
+        if self.here.is_owner:
             return
+        for is_guest in self.guests:
+            if is_guest():
+                return
         with self._lock:
             if self.name is None:
                 self._thread, self.here.is_owner = threading.current_thread(), True

@@ -177,7 +177,7 @@ class Twin(Group, OldNames, path="twin"):
                 emergency stop holds: nothing is changed then. Or if the size is wrong: the controller is deactivated
                 then, as ros2_control does.
         """
-        self.graph.deliver(topic, data)
+        self.graph._deliver(topic, data)
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], rate: float | None = None) -> Callable[[], None]:
         """Call back with a topic's messages, on a grid of simulation times that starts at zero.

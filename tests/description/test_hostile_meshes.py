@@ -234,7 +234,6 @@ def test_a_link_to_itself_is_one_paragraph(tmp_path, name):
         "vn 0 0 1\nf 0//0 0//0 0//0\n",
         FACES + "f -9//-9 -8//-7 -1//-1\n",
         "vn 0 0 1\nv a b c\nf x y z\n",
-        "vn 0 0 1\nv 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n",
     ],
 )
 def test_an_obj_at_which_drakes_reader_fails_is_refused(tmp_path, text):
@@ -242,6 +241,14 @@ def test_an_obj_at_which_drakes_reader_fails_is_refused(tmp_path, text):
     for read in (visual_mesh, collision_mesh):
         with pytest.raises(InputError):
             read(tmp_path / "m.obj")
+
+
+def test_an_obj_whose_corners_are_in_one_point_is_converted_to_be_drawn_and_does_not_collide(tmp_path):
+    file = tmp_path / "m.obj"
+    file.write_text("vn 0 0 1\nv 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n")
+    assert visual_mesh(file) != file
+    with pytest.raises(InputError, match="all corners of the mesh are in one point"):
+        collision_mesh(file)
 
 
 def test_an_obj_with_a_corner_nowhere_is_converted_without_it(tmp_path):

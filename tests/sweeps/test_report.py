@@ -19,7 +19,7 @@ ROWS = [
 def test_each_two_values_are_drawn_once_and_a_row_without_the_metric_is_left_out(tmp_path, monkeypatch):
     figures = []
     save = Figure.savefig
-    monkeypatch.setattr(Figure, "savefig", lambda self, file: (figures.append(self), save(self, file)))
+    monkeypatch.setattr(Figure, "savefig", lambda self, file, **more: (figures.append(self), save(self, file, **more)))
     draw_pairs(tmp_path / "pairs.png", {"vary": VARY}, ROWS)
     assert (tmp_path / "pairs.png").read_bytes().startswith(b"\x89PNG")
     *axes, bar = figures[0].axes
