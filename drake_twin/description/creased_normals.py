@@ -18,7 +18,7 @@ def creased_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
     Returns:
         Unit normals, shape (K, 3), and the index of each corner's normal, shape (M, 3).
     """
-    from scipy.sparse import coo_array
+    from scipy.sparse import coo_matrix  # SciPy 1.11 finds no components of an array's 64-bit indices
     from scipy.sparse.csgraph import connected_components
 
     corners = vertices[faces]
@@ -29,7 +29,7 @@ def creased_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
 
     first, second = _smooth_edges(faces, of_faces)
     size = faces.size
-    links = coo_array((np.ones(len(first), bool), (first, second)), shape=(size, size))
+    links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(size, size))
     count, index = connected_components(links, directed=False)
     normals = np.zeros((count, 3))
     np.add.at(normals, index, (angles[:, :, None] * of_faces[:, None, :]).reshape(-1, 3))
