@@ -119,8 +119,8 @@ def test_wires_that_nobody_uses_change_no_bit(wired):
 def test_a_command_from_another_thread_is_done_in_the_thread_that_advances(wired):
     twin, wire, _ = wired
     threads = []
-    publish = twin.graph.deliver
-    twin.graph.deliver = lambda *arguments: (threads.append(threading.current_thread()), publish(*arguments))
+    publish = twin.publish
+    twin.publish = lambda *arguments: (threads.append(threading.current_thread()), publish(*arguments))
     other = threading.Thread(target=lambda: wire.listeners[COMMANDS].call(command(1, 1, 1, 1)))
     other.start()
     other.join()
