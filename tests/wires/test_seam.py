@@ -207,7 +207,7 @@ def test_an_inbox_that_is_full_keeps_stops_and_the_newest_of_each_topic(wired):
     twin, wire, _ = wired
     other = "/robot_2/forward_velocity_controller/commands"
     published = []
-    twin.graph.deliver = lambda topic, message: published.append((topic, tuple(message.data)))
+    twin.publish = lambda topic, message: published.append((topic, tuple(message.data)))
     wire.listeners[other].call(command(7, 7, 7, 7))
     wire.listeners[COMMANDS].call(command(0, 0, 0, 0))
     for index in range(3000):
