@@ -117,8 +117,8 @@ class FoxgloveDoor:
                     self._threads.add(thread)
                     self._open.add(client)
             if is_full:
-                client.close()
                 self._log(f"more than {MOST_CLIENTS} connections at the same time")
+                client.close()
             else:
                 thread.start()
 
