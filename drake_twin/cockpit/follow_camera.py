@@ -12,7 +12,7 @@ from pydrake.math import RigidTransform
 from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
 from drake_twin.twin.twin import Twin
 
-_MOVED = (TWIN, OVERLAYS, "/Grid")
+_MOVED = (TWIN, OVERLAYS)
 _FROM = np.array([1.1, -1.0, 0.9])  # m: the initial position of the camera relative to the robot
 
 

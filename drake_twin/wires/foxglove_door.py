@@ -16,6 +16,7 @@ import threading
 from collections.abc import Iterable
 
 from drake_twin.own_host import is_loopback, is_own_name, split_host
+from drake_twin.wires.log_once import LogOnce
 
 _log = logging.getLogger(__name__)
 
@@ -65,7 +66,7 @@ class FoxgloveDoor:
         self._open: set[socket.socket] = set()
         self._threads: set[threading.Thread] = set()
         self._lock = threading.Lock()
-        self._logged: set[str] = set()
+        self._log = LogOnce(_log, "foxglove: a connection is refused", _MOST_LINES)
         self._accepting = threading.Thread(target=self._accept, name="foxglove door", daemon=True)
 
     def lead_to(self, address: tuple[str, int]) -> None:
@@ -152,11 +153,6 @@ class FoxgloveDoor:
             back.start()
             _copy(client, server)
             back.join()
-
-    def _log(self, text: str) -> None:
-        if text not in self._logged and len(self._logged) < _MOST_LINES:
-            self._logged.add(text)
-            _log.warning("foxglove: a connection is refused: %s", text)
 
 
 def _head_of(client: socket.socket) -> bytes | None:

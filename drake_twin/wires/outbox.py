@@ -80,7 +80,10 @@ class Outbox:
         while (item := self._next(flushes)) is not None:
             if callable(item):
                 _flush(flushes)
-                item()
+                try:
+                    item()
+                except Exception as error:  # of a wire that ends meanwhile
+                    self._log("services", f"a response is not sent: {error}")
                 continue
             topic, draft, time, is_repeated = item
             try:

@@ -37,7 +37,7 @@ def test_the_scene_moves_so_that_the_robot_stays_in_the_middle(followed):
     position = np.array(twin.robot_state("robot_2").base_pose[:3])
     assert position[0] > 0.3
     assert all(place == pytest.approx(-position) for place in scene.places.values())
-    assert scene.places.keys() == {TWIN, OVERLAYS, "/Grid"}
+    assert scene.places.keys() == {TWIN, OVERLAYS}
 
 
 def test_letting_go_puts_the_scene_back_and_keeps_looking_at_the_robot(followed):

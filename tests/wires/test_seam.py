@@ -319,6 +319,23 @@ def test_an_answer_that_takes_longer_is_not_lost_when_it_fails_or_finds_no_room(
     seam.close()
 
 
+def test_a_response_that_a_wire_cannot_send_stops_no_other(caplog):
+    """The thread that sends goes on: the next response comes, and the end does not wait for ever."""
+    twin, wire = rovers(1).build(), LocalWire()
+    seam = Seam(twin, [wire], lambda twin: [Echo("/now", lambda request: {"success": True})])
+
+    def lost(data):
+        raise OSError("the wire has ended")
+
+    wire.services["/now"].call(serialize(make("std_srvs/srv/SetBool_Request", {"data": True})), lost)
+    sent = asked(wire, "/now", True)
+    twin.advance_to(0.1)
+    seam.close()
+    assert response(sent)[0]
+    assert "services: a response is not sent: the wire has ended" in caplog.text
+    twin.close()
+
+
 class Asking(LocalWire):
     """A wire over which services of other programs are asked."""
 
