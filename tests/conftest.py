@@ -77,6 +77,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker("thorough")
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call() -> Generator[None, None, None]:
+    """Let a test fail that leaves the process looking like a node program's: later ones would fail for it."""
+    environment = os.environ
+    try:
+        return (yield)
+    finally:
+        is_own = os.environ is environment
+        os.environ = environment
+        assert is_own, "os.environ is another one"
+
+
 FAILED = pytest.StashKey[bool]()  # of a test whose fixtures end
 
 

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -20,6 +21,7 @@ from drake_twin.nodes.turns import Turns
 
 _OF_ROS = {"ROS_VERSION": "2", "ROS_PYTHON_VERSION": "3", "ROS_DISTRO": "jazzy"}
 _OWN = str(Path(__file__).parent) + os.sep
+_process = threading.RLock()  # held while it looks like a program's: twins in other threads have programs, too
 
 
 class Teller(Protocol):
@@ -273,6 +275,7 @@ class Program:
 
     def enter(self) -> None:
         """Let the process look like the program's own."""
+        _process.acquire()
         modules = sys.modules
         self._outer = sys.argv, sys.path, os.environ
         sys.argv, sys.path = self.argv, self.path
@@ -280,13 +283,14 @@ class Program:
         for name in self._clashing:
             if name in modules:
                 self._hidden[name] = modules.pop(name)
-        for name, module in self.modules.items():
+        for name, module in tuple(self.modules.items()):  # a thread of it that is outside may import one
             if (hidden := modules.get(name)) is not None:
                 self._hidden[name] = hidden
             modules[name] = module
         if self.folder:
-            self.outer_folder = os.getcwd()
-            os.chdir(self.folder)
+            with suppress(OSError):  # it was removed
+                self.outer_folder = os.getcwd()
+                os.chdir(self.folder)
 
     def leave(self) -> None:
         """Let the process look as it did before `enter`."""
@@ -294,7 +298,7 @@ class Program:
         self.argv, self.path = sys.argv, sys.path
         self.environment = os.environ  # type: ignore[assignment]
         sys.argv, sys.path, os.environ = self._outer
-        for name in self.own_names:
+        for name in tuple(self.own_names):
             module = modules.pop(name, None)
             if module is not None:
                 self.modules[name] = module
@@ -307,9 +311,11 @@ class Program:
             modules.update(self._hidden)
             self._hidden.clear()
         if self.folder:
-            os.chdir(self.outer_folder)
+            with suppress(OSError):
+                os.chdir(self.outer_folder)
         if self._is_over:
             self._forget_modules()
+        _process.release()
 
     def _forget_modules(self) -> None:
         """Let go of its modules, and of what they keep in memory; a thread that ends later has the process's."""

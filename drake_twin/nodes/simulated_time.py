@@ -33,15 +33,29 @@ _SELECTORS = tuple(
 )
 
 _users = 0
+_counting = threading.Lock()  # twins of several threads have nodes
 _replaced: list[tuple[Any, str, Any]] = []
 
 
 def install() -> None:
     """Let node programs see simulated time, until `uninstall`."""
     global _users
-    _users += 1
-    if _users > 1:
-        return
+    with _counting:
+        _users += 1
+        if _users == 1:
+            _replace_all()
+
+
+def uninstall() -> None:
+    """Let node programs see the real time again, after the last `install`."""
+    global _users
+    with _counting:
+        _users -= 1
+        if not _users:
+            _restore()
+
+
+def _replace_all() -> None:
     for name in ("time", "monotonic", "perf_counter"):
         _replace_for_nodes(time, name, partial(_now, 1e-9))
         _replace_for_nodes(time, f"{name}_ns", partial(_now, 1))
@@ -62,14 +76,6 @@ def install() -> None:
     if sys.stdin is not None:
         _replace(sys, "stdin", StandardInput(sys.stdin))
     _replace_for_nodes(builtins, "input", ask)
-
-
-def uninstall() -> None:
-    """Let node programs see the real time again, after the last `install`."""
-    global _users
-    _users -= 1
-    if not _users:
-        _restore()
 
 
 def _restore() -> None:

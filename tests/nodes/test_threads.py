@@ -1,8 +1,14 @@
 """Nodes with threads, locks and executors of their own."""
 
+import os
 import sys
+import threading
 
+from conftest import rovers
 from node_runs import HEAD, lines, running, script
+
+from drake_twin.nodes.nodes import Nodes
+from drake_twin.scenario.node_program import NodeProgram
 
 
 def test_a_thread_that_spins(tmp_path, capsys):
@@ -196,3 +202,35 @@ class My(Node):
     with running(file) as twin:
         twin.advance_to(0.2)
     assert lines(capsys) == ["42"]
+
+
+def test_two_twins_in_two_threads_do_not_see_each_others_programs(tmp_path, capsys):
+    """Each turn reads a file with the baton, so that turns of the other twin could come in between."""
+    node = """
+import os, sys, time
+
+own = sys.argv[1]
+for _ in range(300):
+    os.stat(__file__)
+    seen = sys.argv[1], os.environ["WHO"], sys.modules["__main__"].__file__
+    assert seen == (own, own, __file__), seen
+    time.sleep(0.001)
+print(own, "has seen itself")
+"""
+    before = sys.argv, sys.path, os.environ, sys.modules["__main__"]
+
+    def run(name):
+        file = script(tmp_path, f"{name}.py", node)
+        item = NodeProgram(str(file), arguments=(name,), environment={"WHO": name})
+        with rovers(1).build() as twin:
+            nodes = Nodes(twin, [item])
+            twin.advance_to(0.4)
+            nodes.close()
+
+    threads = [threading.Thread(target=run, args=(name,)) for name in ("one", "other")]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(lines(capsys)) == ["one has seen itself", "other has seen itself"]
+    assert (sys.argv, sys.path, os.environ, sys.modules["__main__"]) == before
