@@ -85,7 +85,7 @@ def pytest_runtest_call() -> Generator[None, None, None]:
         return (yield)
     finally:
         is_own = os.environ is environment
-        os.environ = environment
+        os.environ = environment  # noqa: B003  # the object itself
         assert is_own, "os.environ is another one"
 
 
