@@ -10,6 +10,7 @@ const KEYS = [
   ["F", "Fit the selection, or all robots, into the picture"],
   ["1 2 3 4", "Look from an angle, the front, the left, the top"],
   ["P", "Side panel"],
+  ["Ctrl K", "Find a button, a robot, a joint, a topic"],
   ["Ctrl Z", "Undo the last move, duplicate or delete"],
   ["Esc", "Close a dialog"],
   ["?", "This help"],

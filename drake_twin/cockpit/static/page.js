@@ -5,8 +5,10 @@ import { Capture } from "./capture.js";
 import { Connection } from "./connection.js";
 import { $, setIcon, setText } from "./dom.js";
 import { Help } from "./help.js";
+import { Layout } from "./layout.js";
 import { Messages } from "./messages.js";
 import { MoreViews } from "./more_views.js";
+import { Palette } from "./palette.js";
 import { Panels } from "./panels.js";
 import { Robots } from "./robots.js";
 import { Sensors } from "./sensors.js";
@@ -32,7 +34,9 @@ const camera = new Camera();
 new Capture();
 const moreViews = new MoreViews();
 const help = new Help();
-const panels = new Panels(ask);
+const layout = new Layout();
+const panels = new Panels(ask, (section) => layout.addFold(section));
+const palette = new Palette(() => panels.commands());
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
@@ -96,6 +100,7 @@ function showBanner() {
 }
 
 setIcon($("panel-toggle"), "panel");
+setIcon($("find-button"), "find");
 function togglePanel() {
   const open = document.body.classList.toggle("panel-closed");
   $("panel-toggle").setAttribute("aria-expanded", String(!open));
@@ -113,6 +118,11 @@ const SHORTCUTS = {
 
 function onKey(event, down) {
   const target = event.target;
+  if (down && event.code === "KeyK" && (event.ctrlKey || event.metaKey) && !event.shiftKey) {
+    event.preventDefault(); // the browser's own search
+    palette.open();
+    return;
+  }
   if (target.closest?.("dialog, select, textarea, input:not([type=range]):not([type=checkbox])")) return;
   if (event.code.startsWith("Arrow") && target.closest?.("input[type=range]")) return;
   if (teleop.key(event, down)) {

@@ -3,8 +3,10 @@
 import { $, element } from "./dom.js";
 
 export class Panels {
-  constructor(ask) {
+  // `onadd` is given the section of each panel that was added.
+  constructor(ask, onadd) {
     this.ask = ask;
+    this.onadd = onadd;
     this.panels = new Map();
   }
 
@@ -23,6 +25,12 @@ export class Panels {
     let section = document.querySelector(`[data-panel="${name}"]`); // the page's own panels have a place
     if (!section) $("panel").append((section = element("section", { class: "group", "data-panel": name })));
     section.append(panel.node);
+    this.onadd(section);
+  }
+
+  // What panels offer to be found: { text, about, run }.
+  commands() {
+    return [...this.panels.values()].flatMap((panel) => panel?.commands?.() ?? []);
   }
 
   state({ panels, paused }) {

@@ -18,7 +18,7 @@ export default class TopicsPanel {
     this.frames = new Frames();
     this.drawing = new Drawing(() => ask({ do: "Draw" }), (names) => this.find(names));
     this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter topics", oninput: () => this.list() });
-    this.names = element("ul", { class: "topics", "aria-label": "Topics" });
+    this.names = element("ul", { class: "topics", "aria-label": "Topics", "data-listed": true }); // by `commands`
     this.head = element("h3", {});
     this.values = element("tbody");
     this.echo = element("div", { class: "echo", tabindex: 0, role: "region", "aria-label": "Last message" }, element("table", {}, this.values));
@@ -60,6 +60,12 @@ export default class TopicsPanel {
     this.list();
     this.show();
     this.look();
+  }
+
+  // The topics, to be found; they are asked for, and are there a moment later.
+  commands() {
+    this.ask({ do: "Look", version: this.version, echo: "", frames: false });
+    return this.topics.map(({ name, type }) => ({ text: name, about: type, run: () => this.find([name]) }));
   }
 
   // Select what names of the diagram tell of, the most specific first: a topic, a controller's or a robot's first one.

@@ -36,6 +36,23 @@ export default class WorldPanel {
     return tools;
   }
 
+  // Robots, models and links, to be found: it is selected, and the camera goes there.
+  commands() {
+    const { nodes } = this.tree;
+    const ownerOf = (node) => (nodes.has(node.parent) ? ownerOf(nodes.get(node.parent)) : node);
+    const found = [...nodes.values()].filter(({ kind }) => ["robot", "model", "link"].includes(kind));
+    return found.map((node) => {
+      const owner = ownerOf(node);
+      return { text: node.name, about: owner === node ? node.kind : `${node.kind} of ${owner.name}`, run: () => this.goTo(node.id) };
+    });
+  }
+
+  goTo(id) {
+    this.tree.select(id);
+    this.select(id);
+    this.tools?.fit(this.tree.nodes.get(id).paths);
+  }
+
   undo() {
     if (this.undone && !document.body.matches(".display-only, .playback")) this.ask({ do: "Undo" });
   }

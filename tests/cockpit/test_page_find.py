@@ -1,0 +1,108 @@
+"""Find (Ctrl K) on the page, in a real browser: what is on it is reached and operated by the keyboard alone."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import pytest
+from browser import BROWSER_TESTS, browser, folder, page, show
+from conftest import rovers
+from test_page_accessibility import RUN, axe
+
+pytestmark = BROWSER_TESTS
+
+
+def find(tab, words, *, enter=True):
+    """Type words into Find, opened by its keys."""
+    tab.keyboard.press("Control+k")
+    tab.keyboard.type(words)
+    if enter:
+        tab.keyboard.press("Enter")
+
+
+def found(tab):
+    return tab.locator("#palette li span").all_inner_texts()
+
+
+def test_the_seventh_of_eight_robots_is_stopped_and_its_slider_reached_though_it_is_folded(show):
+    it, tab = show(rovers(8).scenario())
+    assert not folder(tab, "robot_7").locator("details").first.evaluate("element => element.open")
+    find(tab, "stop robot_7")
+    it.frames(lambda: tab.locator(".robot.stopped").count() == 1)
+    assert folder(tab, "robot_7").get_attribute("class") == "robot stopped"
+    find(tab, "robot_7 rear_left velocity number")
+    focused = tab.evaluate("document.activeElement.getAttribute('aria-label')")
+    assert focused == "robot_7 robot_7_rear_left_wheel_joint velocity, number"
+    assert folder(tab, "robot_7").locator("details").first.evaluate("element => element.open")
+
+
+def test_a_topic_is_found_by_a_part_of_its_name(page):
+    it, tab = page
+    find(tab, "", enter=False)
+    it.for_frames(20)  # the topics are asked for
+    tab.keyboard.type("robot_2 joint_states")
+    it.frames(lambda: found(tab)[:1] == ["/robot_2/joint_states"])
+    tab.keyboard.press("Enter")
+    chosen = tab.locator(".topics [aria-pressed=true]")
+    it.frames(lambda: chosen.count() == 1 and chosen.inner_text().startswith("/robot_2/joint_states"))
+
+
+def test_switches_and_what_is_in_the_world_are_found(page):
+    it, tab = page
+    find(tab, "contact forces")
+    it.frames(lambda: tab.get_by_label("Contact forces").is_checked())
+    find(tab, "robot_2 base_link", enter=False)
+    it.frames(lambda: len(found(tab)) > 0)
+    tab.keyboard.press("Enter")
+    it.frames(lambda: "base_link" in tab.locator(".tree [aria-selected=true]").inner_text())
+
+
+def test_arrows_choose_and_escape_leaves_all_as_it_was(page):
+    _, tab = page
+    find(tab, "", enter=False)
+    rows = tab.locator("#palette li")
+    assert rows.count() == 40
+    for key, at in (("ArrowDown", 1), ("ArrowDown", 2), ("ArrowUp", 1), ("PageDown", 11), ("PageUp", 1)):
+        tab.keyboard.press(key)
+        assert rows.nth(at).get_attribute("aria-selected") == "true"
+        assert tab.evaluate("document.activeElement.getAttribute('aria-activedescendant')") == f"found-{at}"
+    tab.keyboard.type("nothing has this name")
+    assert (rows.count(), tab.locator("#palette p").inner_text()) == (0, "Nothing has these words.")
+    tab.keyboard.press("Enter")
+    assert tab.locator("#palette").evaluate("element => element.open")
+    tab.keyboard.press("Escape")
+    assert not tab.locator("#palette").evaluate("element => element.open")
+
+
+def test_it_breaks_no_rule_of_accessibility(page, axe):
+    it, tab = page
+    tab.evaluate(axe)
+    find(tab, "robot", enter=False)
+    it.for_frames(3)
+    assert tab.evaluate(RUN) == []
+
+
+def test_the_panels_width_and_folded_groups_are_kept(page):
+    it, tab = page
+    edge, panel = tab.locator(".edge"), tab.locator("#panel")
+    before = panel.bounding_box()["width"]
+    edge.focus()
+    for key in ("ArrowLeft", "ArrowLeft", "ArrowLeft", "ArrowRight"):
+        tab.keyboard.press(key)
+    assert panel.bounding_box()["width"] == before + 40
+    assert edge.get_attribute("aria-valuenow") == str(round(before + 40))
+    box = edge.bounding_box()
+    tab.mouse.move(box["x"] + 4, box["y"] + 300)
+    tab.mouse.down()
+    tab.mouse.move(box["x"] - 96, box["y"] + 320, steps=4)
+    tab.mouse.up()
+    assert panel.bounding_box()["width"] == pytest.approx(before + 140, abs=6)
+    wide = panel.bounding_box()["width"]
+    tab.get_by_role("button", name="View", exact=True).click(force=True)
+    assert tab.locator("#overlays").is_hidden()
+    tab.reload()
+    it.frames(lambda: tab.locator("body.ready").count() == 1)
+    assert panel.bounding_box()["width"] == wide
+    assert tab.locator("#overlays").is_hidden()
+    find(tab, "contact forces")  # unfolds it
+    it.frames(lambda: tab.locator("#overlays").is_visible())
+    edge.dblclick(force=True)
+    assert panel.bounding_box()["width"] == before
