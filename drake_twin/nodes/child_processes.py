@@ -8,9 +8,11 @@ import subprocess
 from collections.abc import Callable
 from typing import Any
 
+from drake_twin.nodes.ros2_command import missing
 from drake_twin.nodes.task import Abandoned, Task
 
 MOST_PROCESSES = 100
+_ENVIRONMENT = 10  # its place among the arguments of ``subprocess.Popen`` after the first
 _MARKS = 4096  # of descendants, by the remainder of their numbers
 
 
@@ -80,8 +82,21 @@ def spawn(task: Task, real: Callable[..., int], *arguments: Any, **options: Any)
 def open_process(task: Task, real: Callable[..., None], process: Any, *arguments: Any, **options: Any) -> None:
     """Start a process, as ``subprocess.Popen`` of a program."""
     children = _with_room(task)
+    if len(arguments) <= _ENVIRONMENT and options.get("env") is None:
+        options["env"] = dict(task.program.environment)  # the process's own does not have what the program has set
+    environment = options.get("env") or arguments[_ENVIRONMENT] or {}
+    call = arguments[0] if arguments else options.get("args")
+    has_wires = task.program.rclpy["graph"].outside.source is not None
+    for text in missing(call, environment, has_wires=has_wires):
+        task.program.ignored(text)
     real(process, *arguments, **options)
     children.add(process.pid)
+
+
+def call_shell(task: Task, real: Callable[[Any], int], command: Any) -> int:
+    """Run a command in a shell, as ``os.system`` of a program."""
+    code = subprocess.Popen(command, shell=True).wait()
+    return code << 8 if code >= 0 else -code
 
 
 # (place, name, what node programs have there), see `drake_twin.nodes.process_calls.seen_by_nodes`
@@ -89,6 +104,7 @@ REPLACEMENTS: tuple[tuple[Any, str, Callable[..., Any]], ...] = (
     (os, "fork", fork),
     (os, "posix_spawn", spawn),
     (os, "posix_spawnp", spawn),
+    (os, "system", call_shell),
     (subprocess.Popen, "__init__", open_process),
 )
 

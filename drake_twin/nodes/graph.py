@@ -117,7 +117,7 @@ class Graph:
         self._commanded = {item.name: item for item in endpoints if item.kind == COMMANDED}
         for receptions in self.receptions.values():
             for reception in receptions:
-                self._connect(reception)
+                self._connect(reception, kept=True)
         for publications in self.publications.values():
             for publication in publications:
                 self._tie(publication)
@@ -176,7 +176,7 @@ class Graph:
     def subscribe(self, reception: Reception) -> None:
         """Add a topic that a node subscribes to."""
         self.receptions.setdefault(reception.topic, []).append(reception)
-        self._connect(reception)
+        self._connect(reception, kept=reception.wants_latched)
         for publication in self.publications.get(reception.topic, ()):
             self.quality.pair(publication, reception)
             if reception.wants_latched and publication in reception.matched:
@@ -184,7 +184,7 @@ class Graph:
                     self.post(partial(reception.put, message, expires))
         self.note_change()
 
-    def _connect(self, reception: Reception) -> None:
+    def _connect(self, reception: Reception, *, kept: bool) -> None:
         """Subscribe to the twin's topic, if there is one and it is not subscribed to yet."""
         item = self._published.get(reception.topic)
         if item is None or reception.end is not None:
@@ -194,6 +194,9 @@ class Graph:
             return
         if not self.quality.hears(reception, item):
             return
+        if item.latched and not kept and item.name not in self.twin.graph.events:
+            why = "it subscribes with the durability VOLATILE, not TRANSIENT_LOCAL"
+            self.log(item.name, f"{reception.node} does not get what was published before, as {why}")
 
         # What has happened at a step is heard at the next one, lest two nodes answer one another without end.
         delay = 0.5 * self.twin.clock.time_step if item.name in self.twin.graph.events else 0.0
@@ -202,7 +205,7 @@ class Graph:
             reception.put(message)
             self.twin.alarm.hasten(self.twin.time + delay)
 
-        reception.end = self.twin.graph.subscribe(reception.topic, hear, None, kept=reception.wants_latched)
+        reception.end = self.twin.graph.subscribe(reception.topic, hear, None, kept=kept)
 
     def withdraw(self, item: Publication | Reception | Offer | Caller) -> None:
         """Take back what a node publishes, subscribes to, offers or asks."""
@@ -274,27 +277,24 @@ class Graph:
         for topic, publications in self.publications.items():
             if topic not in self._published:
                 first = publications[0]
-                best_effort = all(item.is_best_effort for item in publications)
                 yield Endpoint(
                     PUBLISHED,
                     topic,
                     first.type,
                     first.node,
                     latched=any(item.depth for item in publications),
-                    is_best_effort=best_effort,
+                    is_best_effort=all(item.is_best_effort for item in publications),
                     **self.quality.offered(publications),
                 )
         for topic, receptions in self.receptions.items():
             if topic not in self._commanded:
-                best_effort = any(item.is_best_effort for item in receptions)
-                latched = all(item.wants_latched for item in receptions)
                 yield Endpoint(
                     COMMANDED,
                     topic,
                     receptions[0].type,
                     receptions[0].node,
-                    latched=latched,
-                    is_best_effort=best_effort,
+                    latched=all(item.wants_latched for item in receptions),
+                    is_best_effort=any(item.is_best_effort for item in receptions),
                     **self.quality.requested(receptions),
                 )
 

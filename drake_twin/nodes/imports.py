@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 from drake_twin.description.python_modules import module_spec, python_modules
+from drake_twin.nodes.polls import with_waits
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.stand_ins import YIELDING, imported
 from drake_twin.nodes.task import here
@@ -75,7 +76,8 @@ class NodeFinder(importlib.abc.MetaPathFinder):
             spec = PathFinder.find_spec(fullname, None if path is None else list(path))
         if spec is not None:
             program.own_module(fullname)
-        return spec
+            return with_waits(spec)
+        return None
 
     def _in_workspace(self, name: str) -> ModuleSpec | None:
         """Return the Python module that a ROS package installs: the one of this name, or else any."""

@@ -101,7 +101,7 @@ def real(bits: int) -> Element:
 def string(limit: int = 0) -> Element:
     """Return a text, of so many characters at most; of any number if the limit is zero."""
     if not limit:
-        return Element("string", "str", str, lambda value: isinstance(value, str), "of type 'str'", to_wire=str)
+        return Element("string", "str", str, lambda value: isinstance(value, str), "of type 'str'", to_wire=_plain)
     words = f"string value not longer than {limit}"
     return Element(
         f"string<{limit}>",
@@ -112,7 +112,7 @@ def string(limit: int = 0) -> Element:
         lambda value: len(value) <= limit,
         words,
         f"and each {words}",
-        to_wire=str,
+        to_wire=_plain,
     )
 
 
@@ -139,6 +139,11 @@ OCTET = Element(
     to_wire=lambda value: (int(value[0]) + 128) % 256 - 128,
     from_wire=lambda value: bytes((int(value) & 0xFF,)),
 )
+
+
+def _plain(value: Any) -> str:
+    """Return a text itself, of an enum's member, too, whose ``str`` is its name."""
+    return str.__str__(value) if isinstance(value, str) else str(value)
 
 
 def _rounded_to_32_bits(value: Any) -> float:

@@ -32,8 +32,6 @@ def remedy(error: BaseException, file: Path) -> str:
         error: The error.
         file: The program's script, whose package says what it depends on.
     """
-    if isinstance(error, FileNotFoundError) and error.filename == "ros2":
-        return ": the twin needs no ROS, and ROS's command is not there: start nodes by --node or a launch file"
     if not isinstance(error, ModuleNotFoundError) or not error.name:
         return ""
     root, _, rest = error.name.partition(".")

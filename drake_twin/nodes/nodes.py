@@ -245,6 +245,12 @@ class Nodes:
                 "node %s waits for something outside of the simulation, which continues%s", task.program.what, where
             )
 
+    def held_up(self, task: Task) -> None:
+        """Take note of a thread that computes while others of its program could continue."""
+        where = f" ({place})" if (place := _place(task)) else ""
+        what = "node %s computes without a sleep or a spin, and its other threads wait until it has done so%s"
+        _log.warning(what, task.program.what, where)
+
     def exceeded(self, task: Task, what: str) -> None:
         """Take note of a thread whose program takes too much, and has to end."""
         task.program.stop(what, _place(task))

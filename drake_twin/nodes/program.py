@@ -15,6 +15,8 @@ from typing import Any, Protocol
 from drake_twin.description.python_programs import PythonProgram
 from drake_twin.nodes.child_processes import ChildProcesses
 from drake_twin.nodes.missing_modules import remedy
+from drake_twin.nodes.polls import compiled, prepare, with_waits
+from drake_twin.nodes.ros2_command import with_command
 from drake_twin.nodes.stand_ins import ROOTS, forget_members
 from drake_twin.nodes.task import Abandoned, Task, here
 from drake_twin.nodes.turns import Turns
@@ -93,7 +95,7 @@ class Program:
         own = [str(found.folder or found.file.parent)]  # a console script's own folder is another one
         self._base_path = frozenset(sys.path)
         self.path = [*dict.fromkeys((*own, *(folder for folder in sys.path if folder)))]
-        self.environment = {**_OF_ROS, **os.environ, **environment}
+        self.environment = with_command({**_OF_ROS, **os.environ, **environment})
         self.modules: dict[str, ModuleType] = {}
         self.lent: set[str] = set()
         self.own_names: set[str] = set()
@@ -145,6 +147,9 @@ class Program:
         if process != os.getpid():  # it has forked, and this is the child
             sys.stdout.flush()
             os._exit(0)
+        if (own := here()) is not None and own.is_outside and not self._turns.is_over:
+            with suppress(Abandoned, KeyboardInterrupt):
+                own.enter()  # what follows needs the baton
         is_last = all(task.is_daemon or task.has_ended or task is here() for task in self.threads)
         if is_last and not self._is_over:
             self._is_over = True
@@ -155,7 +160,7 @@ class Program:
                 if task.is_daemon:
                     task.end(Abandoned)
             self._teller.ended(self)
-            if (own := here()) is not None and own.is_outside:  # no `leave` follows
+            if own is not None and own.is_outside:  # no `leave` follows
                 self._forget_modules()
 
     def exit(self, code: int) -> None:
@@ -245,8 +250,8 @@ class Program:
         sys.modules["__main__"] = main
         self.modules["__main__"] = main
         if not found.module:
-            source = found.file.read_bytes()
-            exec(compile(source, str(found.file), "exec"), main.__dict__)
+            prepare(main)
+            exec(compiled(found.file.read_bytes(), str(found.file)), main.__dict__)
             return
         # Not by an import, whose lock another program of this name would wait for if the module itself spins.
         parents = found.module.split(".")[:-1]
@@ -257,7 +262,7 @@ class Program:
         spec = spec_from_file_location(found.module, found.file)
         assert spec is not None
         assert spec.loader is not None
-        module = module_from_spec(spec)
+        module = module_from_spec(with_waits(spec))
         self.own_module(found.module)
         sys.modules[found.module] = module
         self.modules[found.module] = module

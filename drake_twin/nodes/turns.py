@@ -21,6 +21,7 @@ _BLOCKED = 1.0  # s of wall time that it sleeps and does not work, until it is t
 _BLOCKED_AGAIN = 0.1  # the same of a thread that has waited for something outside before
 _GLANCE = 2e-3  # s of wall time between two looks at such a thread: it may be back in the main loop of its window
 _WORK = 0.02  # the processor's time between two looks, of the wall time, below which a thread does not work
+_WORTH_SAYING = 2.0  # s of the processor's time after which it is said that a thread keeps its program's others waiting
 _PATIENCE = 20.0  # s of the processor's time that a thread may work in one turn
 _TURNS_A_LOOK = 16  # turns of a program, of which one is measured: how much memory it takes
 _FAREWELL = 0.7  # s of wall time that all threads have to end in
@@ -33,6 +34,9 @@ class Watcher(Protocol):
 
     def blocked(self, task: Task) -> None:
         """Take note of a thread that waits for something outside, while the simulation continues."""
+
+    def held_up(self, task: Task) -> None:
+        """Take note of a thread that computes while others of its program could continue."""
 
     def exceeded(self, task: Task, what: str) -> None:
         """Take note of a thread whose program takes too much, and has to end."""
@@ -54,6 +58,7 @@ class Turns:
         tasks: The threads, by the order of their programs, then of their start.
         outsider: Called before a thread goes outside, while it or the simulation's thread has the baton.
         newcomer: Called from a thread that comes back.
+        is_over: Whether no thread gets another turn.
     """
 
     def __init__(
@@ -67,6 +72,7 @@ class Turns:
         self.tasks: list[Task] = []
         self.outsider: Callable[[], None] = lambda: None
         self.newcomer: Callable[[], None] = lambda: None
+        self.is_over = False
         self._watcher, self._patience, self._memory, self._is_stopped = watcher, patience, memory, is_stopped
         self._lock = _new_lock()
         self._back = _new_lock()
@@ -184,6 +190,7 @@ class Turns:
                             task.is_outside = True
                 self._running = None
                 task.program.leave()
+        self.is_over = True
         left = [task for task in self.tasks if not task.has_ended]
         for task in left:
             task.end(Abandoned, at_once=True)
@@ -195,6 +202,7 @@ class Turns:
         start = now = awake = wall_clock.perf_counter() - look
         first = used = task.cpu_time()
         before = resident() - task.program.memory
+        is_said = not any(other.can_run() for other in task.program.threads if other is not task)
         while (waits_again := _waits_again(task)) or not self._back.acquire(timeout=look):
             last, now = now, wall_clock.perf_counter()
             before, used = used, task.cpu_time()
@@ -202,6 +210,9 @@ class Turns:
                 awake = now
             blocked = waits_again or now - awake >= (_BLOCKED if task.blocked_at is None else _BLOCKED_AGAIN)
             worked = min(now - start, used - first)  # on a busy machine it takes longer
+            if worked > _WORTH_SAYING and not is_said:
+                is_said = True
+                self._watcher.held_up(task)
             task.program.memory = resident() - before
             is_too_large = task.program.memory > self._memory
             exceeded = is_too_large or worked > self._patience or (self._is_stopped() and now - start > _FAREWELL / 2)
@@ -211,13 +222,13 @@ class Turns:
                 if self._back.acquire(blocking=False):
                     return
                 task.is_outside = True
+            self.outsider()
             if exceeded:
                 task.end(Abandoned, at_once=True)
                 what = f"it has computed for {now - start:.0f} s without a spin or a sleep, and is ended"
                 self._watcher.exceeded(task, self._too_much_memory if is_too_large else what)
             else:
                 task.blocked_at = task.place()
-                self.outsider()
                 self._watcher.blocked(task)
             return
 

@@ -222,7 +222,7 @@ class Graph(Group, path="twin.graph"):
     def subscribe(
         self, topic: Any, callback: Any, rate: Any, *, drafts: bool = False, kept: bool = True
     ) -> Callable[[], None]:
-        """Call back with a topic's messages, of an event also with those that are kept; see `Twin.subscribe`."""
+        """Call back with a topic's messages, also with latched ones from before if wanted; see `Twin.subscribe`."""
         if not callable(callback):
             raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
         if rate is not None and not is_number(rate, 1e-6):
@@ -235,11 +235,12 @@ class Graph(Group, path="twin.graph"):
             subscription = Subscription(topic, callback, period, session.clock.time, takes_drafts=drafts)
             return self._owner.guard(_END, session.subscriptions.add(subscription))
         name = self.published_topic(topic).topic
+        passed_over = () if kept else tuple(session.built.publishers[name])
 
         def of_port(port: str) -> Subscription:
             item = session.built.published[port]
             period, time = _period(item, rate), session.clock.time
-            return Subscription(
+            subscription = Subscription(
                 port,
                 callback,
                 period,
@@ -250,6 +251,9 @@ class Graph(Group, path="twin.graph"):
                 draft_at=item.draft_at if drafts else None,
                 has_publications=item.publication is not None,
             )
+            if port in passed_over and period is None:
+                subscription.pass_over(self._message(item))
+            return subscription
 
         return self._owner.guard(_END, session.subscriptions.add_topic(name, of_port))
 

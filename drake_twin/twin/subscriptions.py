@@ -64,6 +64,7 @@ class Subscription:
         self._period = period or inf
         self._next_point = self._last_point_before(time)
         self._latched: Any = None
+        self._is_volatile = False
 
     def use(self, time_step: float) -> None:
         """Count in steps of this length (s) from now on."""
@@ -93,12 +94,17 @@ class Subscription:
     def look_again(self, message: Any) -> None:
         """Schedule another delivery if a message that should never change has, because its robot was replaced."""
         if self._next_point and message is not None and message != self._latched:
-            self.begin(0.0)
+            self._next_point = 0
+
+    def pass_over(self, message: Any) -> None:
+        """Leave out the present message, if it is one that never changes."""
+        if self.is_latched:
+            self._latched, self._is_volatile, self._next_point = message, True, 1
 
     def begin(self, time: float) -> None:
         """Restart at a time (s) like a new subscription; call `use` afterwards."""
         self.publication = None
-        self._next_point = self._last_point_before(time)
+        self._next_point = 1 if self._is_volatile else self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
         """Return the last point of the grid that is not after a time; where only points count the first not before."""

@@ -6,6 +6,7 @@ messages of ros2/test_interface_files that it imports.
 
 import array
 import copy
+import enum
 import math
 
 import numpy as np
@@ -14,7 +15,7 @@ from interface_packages import folder_of, write_package
 
 from drake_twin.messages.interface_types import class_of
 from drake_twin.nodes.interfaces import Interfaces
-from drake_twin.nodes.message_classes import message_class
+from drake_twin.nodes.message_classes import message_class, to_wire
 
 INTEGERS = [f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)]
 SCALARS = ["bool", "byte", "char", "float32", "float64", *INTEGERS]
@@ -383,3 +384,23 @@ def test_messages_are_not_hashable_and_the_same_class_is_given_again():
         hash(message_class("geometry_msgs/msg/Twist")())
     assert message_class("geometry_msgs/msg/Twist") is message_class("geometry_msgs/msg/Twist")
     assert message_class("geometry_msgs/msg/Twist") is not class_of("geometry_msgs/msg/Twist")
+
+
+def test_members_of_enums_that_are_numbers_or_texts_are_taken_as_such():
+    """What the real one sends of them (Jazzy, with rmw_cyclonedds_cpp); a plain enum ends its process there."""
+
+    class Number(enum.IntEnum):
+        ONE = 1
+
+    class Text(str, enum.Enum):  # noqa: UP042  # its `str` is its name
+        ONE = "one"
+
+    class Plain(enum.Enum):
+        ONE = 1
+
+    number, text = message_class("std_msgs/msg/Int32"), message_class("std_msgs/msg/String")
+    assert to_wire(number(data=Number.ONE)).data == 1
+    sent = to_wire(text(data=Text.ONE)).data
+    assert (type(sent), sent) == (str, "one")
+    with pytest.raises(AssertionError, match="The 'data' field must be of type 'int'"):
+        number(data=Plain.ONE)

@@ -5,13 +5,15 @@ import sys
 
 import pytest
 from conftest import ROVER, rovers
-from node_runs import COMMANDS, lines, running, script
+from node_runs import COMMANDS, HEAD, lines, running, script
 
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
+from drake_twin.nodes.nodes import Nodes
 from drake_twin.scenario import NodeProgram
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.twin.twin import Twin
 
 PACKAGE_XML = "<package><name>{name}</name><version>0.0.0</version></package>"
 SETUP = """
@@ -454,3 +456,21 @@ def test_two_timers_on_one_instant_are_repeatable(tmp_path):
     }
     assert len(found) == 1
     assert found.pop().split(" ", 1)[1] == "[2.0, 2.0, 2.0, 2.0]\n"
+
+
+@pytest.mark.parametrize("text", ["os.read(reading, 1)", "while True: count += 1"], ids=["waits", "computes"])
+def test_a_program_that_ends_outside_of_the_simulation_takes_back_what_it_has(tmp_path, text):
+    reading, writing = os.pipe()
+    head = f"import os\nreading, count = {reading}, 0\n{HEAD}rclpy.init()\nnode = rclpy.create_node('brief')\n"
+    file = script(tmp_path, "f.py", f"{head}kept = node.create_publisher(String, 'news', 1)\n{text}\n")
+    with Twin(rovers(1).node(file).scenario()) as twin:
+        nodes = Nodes(twin, patience=0.1)
+        twin.advance_to(0.002)
+        (program,) = nodes.programs
+        os.write(writing, b"1")
+        while not program.main.has_ended:
+            twin.advance_to(twin.time + 0.01)
+        assert (program.exit_code, nodes.graph.publications) == (0 if "read" in text else -9, {})
+        nodes.close()
+    os.close(reading)
+    os.close(writing)

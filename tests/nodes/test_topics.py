@@ -1,5 +1,7 @@
 """Topics between nodes, and between nodes and the twin."""
 
+from dataclasses import replace
+
 import pytest
 from conftest import rovers
 from node_runs import COMMANDS, HEAD, TAIL, lines, running, script
@@ -84,6 +86,7 @@ def test_a_node_hears_the_twin(tmp_path, capsys):
         tmp_path,
         "listener.py",
         """
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 
 
@@ -91,7 +94,8 @@ class My(Node):
     def __init__(self):
         super().__init__("listener")
         self.create_subscription(JointState, "/robot_1/joint_states", self.heard, 10)
-        self.create_subscription(String, "/robot_1/robot_description", self.described, 1)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_subscription(String, "/robot_1/robot_description", self.described, latched)
 
     def heard(self, message):
         assert isinstance(message, JointState)
@@ -160,6 +164,54 @@ rclpy.spin(node)
     with running(talker, listener) as twin:
         twin.advance_to(0.1)
     assert lines(capsys) == ["latched second"]
+
+
+def test_a_volatile_subscription_does_not_get_what_the_twin_has_published_before(tmp_path, capsys, caplog):
+    """As DDS decides (DDS 1.4, 2.2.3.4): durability is that of the subscription, too."""
+    file = script(
+        tmp_path,
+        "volatile.py",
+        """
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from tf2_msgs.msg import TFMessage
+
+
+class My(Node):
+    def __init__(self):
+        super().__init__("listener")
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        for topic, kind in (("robot_description", String), ("/tf_static", TFMessage)):
+            self.create_subscription(kind, topic, lambda message, topic=topic: print("volatile", topic), 1)
+            self.create_subscription(kind, topic, lambda message, topic=topic: print("latched", topic), latched)
+""",
+    )
+    with running((file, {"namespace": "/robot_1"})) as twin:
+        twin.advance_to(0.1)
+        assert sorted(lines(capsys)) == ["latched /tf_static", "latched robot_description"]
+        twin.reset()
+        twin.advance_to(0.1)
+        assert sorted(lines(capsys)) == ["latched /tf_static", "latched robot_description"]
+    why = "does not get what was published before, as it subscribes with the durability VOLATILE, not TRANSIENT_LOCAL"
+    assert f"/robot_1/robot_description: /robot_1/listener {why}" in caplog.text
+
+
+def test_a_volatile_subscription_gets_what_the_twin_publishes_from_then_on(tmp_path, capsys):
+    file = script(
+        tmp_path,
+        "volatile.py",
+        """
+class My(Node):
+    def __init__(self):
+        super().__init__("listener")
+        self.create_subscription(String, "/robot_2/robot_description", lambda message: print(message.data[:1]), 1)
+""",
+    )
+    with running(file) as twin:
+        twin.advance_to(0.1)
+        assert lines(capsys) == []
+        twin.entities.spawn(replace(twin.scenario.robots[0], name="robot_2", namespace="/robot_2", xyz=(2.0, 0.0, 0.0)))
+        twin.advance_to(0.2)
+    assert lines(capsys) == ["<"]
 
 
 def test_a_wrong_type_is_refused_as_in_ros(tmp_path, capsys):
