@@ -4,6 +4,8 @@ from math import inf, isfinite
 from numbers import Real
 from typing import Any
 
+LARGEST = 1e12  # m, kg, kg·m² or N·m·s; larger numbers are mistakes, and overflow in the simulation
+
 _COUNT_WORDS = {2: "two", 3: "three", 6: "six", 7: "seven"}
 
 

@@ -17,10 +17,10 @@ import numpy as np
 
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
+from drake_twin.values import LARGEST
 
 _MOST_BYTES = 1 << 30  # of all buffers
 _DEEPEST = 500  # levels of nodes
-_FARTHEST = 1e12
 _COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _LISTS = (
@@ -191,7 +191,7 @@ class _Document:
         if (position["type"], position["componentType"]) != ("VEC3", 5126):
             raise _WrongError(f"{where}.POSITION is not of three floats")
         points = self._values(position)
-        if not (np.abs(points) < _FARTHEST).all():
+        if not (np.abs(points) < LARGEST).all():
             raise _WrongError(f"{where} has a corner that is not a finite point")
         if (number := self._index(primitive, "indices", "accessors", where)) is not None:
             indices = self._lists["accessors"][number]
@@ -310,7 +310,7 @@ def _textures(material: Mapping[str, Any], name: str = "", depth: int = 0) -> It
             yield from _textures(value, f"{name}{key}.", depth + 1)
 
 
-def _check_numbers(values: Any, count: int, where: str, farthest: float = _FARTHEST) -> None:
+def _check_numbers(values: Any, count: int, where: str, farthest: float = LARGEST) -> None:
     are_numbers = isinstance(values, list) and all(
         isinstance(item, int | float) and not isinstance(item, bool) for item in values
     )

@@ -25,7 +25,7 @@ def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         The corners (m×3) and the triangles between them (k×3, indices).
 
     Raises:
-        scipy.spatial.QhullError: If the points have no hull.
+        RuntimeError: If the points have no hull: of SciPy (QhullError), or of Drake for a hull of 1e-10 m.
         ValueError: Likewise.
     """
     from scipy.spatial import ConvexHull

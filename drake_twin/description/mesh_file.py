@@ -15,6 +15,7 @@ from drake_twin.description.mesh_cache import check_files_beside
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
 from drake_twin.progress import tell
+from drake_twin.values import LARGEST
 
 _READ_BY_DRAKE = (".obj", ".gltf")
 _READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
@@ -30,8 +31,6 @@ _MANY_BYTES_OF_TEXT = 100_000_000
 _MANY_BYTES = 10_000_000  # what takes seconds to read: progress is told
 _NOT_FINITE = re.compile(rb"(?i)[\s>][+-]?(nan|inf)")  # a number, in XML
 _DECIMATE = "decimate it, in Blender or MeshLab for example"
-
-_FARTHEST = 1e12  # mesh units; larger coordinates are invalid, and overflow in the simulation
 
 # Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
 Z_UP_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
@@ -140,6 +139,6 @@ def single_mesh(scene: Any, file: Path) -> Any:
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
     _check_count(file, len(mesh.faces))
-    if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
+    if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < LARGEST):
         raise InputError("the mesh has vertices that are not finite points in space", file=file)
     return mesh

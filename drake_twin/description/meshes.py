@@ -303,12 +303,10 @@ def _crease(mesh: Any) -> None:
 
 def _hull_obj(file: Path) -> bytes:
     """Compute the convex hull with Qhull, through SciPy: Drake's own takes over ten seconds for 50,000 triangles."""
-    from scipy.spatial import QhullError
-
     vertices = with_thickness(_spread(_different(np.asarray(read_triangles(file).vertices, dtype=float)), file))
     try:
         corners, triangles = hull_of(vertices)
-    except (QhullError, ValueError) as error:
+    except (RuntimeError, ValueError) as error:  # SciPy's QhullError is a RuntimeError, too, as is Drake's
         reason = str(error).strip().splitlines()[0] if str(error).strip() else "Qhull failed"
         raise InputError(f"the mesh has no convex hull ({reason})", file=file) from None
     return _obj_text(corners, triangles.tolist()).encode()

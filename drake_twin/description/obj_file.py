@@ -2,7 +2,7 @@
 
 import numpy as np
 
-_FARTHEST = 1e12  # mesh units
+from drake_twin.values import LARGEST
 
 
 def obj_is_sound(content: bytes) -> bool:
@@ -30,7 +30,7 @@ def obj_is_sound(content: bytes) -> bool:
         points = np.array(corners, dtype=float)
     except ValueError:
         return False
-    is_in_space = points.shape[1:] == (3,) and bool((np.abs(points) < _FARTHEST).all())
+    is_in_space = points.shape[1:] == (3,) and bool((np.abs(points) < LARGEST).all())
     return has_faces and len(points) > 2 and is_in_space and bool(np.ptp(points, axis=0).any())
 
 

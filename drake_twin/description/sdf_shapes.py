@@ -20,6 +20,7 @@ from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Weight
+from drake_twin.values import LARGEST
 
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
 
@@ -33,7 +34,6 @@ _SIZES = {
 }
 _SHAPES = (*_SIZES, "plane", "mesh")
 _COUNTS = {"size": 3, "radii": 3}  # of numbers; else one
-_LARGEST = 1e12  # m; more overflows in the simulation
 _CONE_SIDES = 48
 
 FindFile = Callable[[str, Path | None], Path]
@@ -79,7 +79,7 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
 def _has_size(element: etree._Element | None) -> bool:
     sizes = [] if element is None else numbers_in(element.text)
     count = _COUNTS.get(str(element.tag), 1) if element is not None else 1
-    return len(sizes) == count and all(size is not None and 0 < size < _LARGEST for size in sizes)
+    return len(sizes) == count and all(size is not None and 0 < size < LARGEST for size in sizes)
 
 
 def _written(kind: etree._Element) -> str:

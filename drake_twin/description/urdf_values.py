@@ -5,9 +5,7 @@ from collections.abc import Iterator, Mapping
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
-
-# m, kg, kg·m² or N·m·s; more is a mistake, and overflows somewhere in the simulation.
-_LARGEST = 1e12
+from drake_twin.values import LARGEST
 
 # Element → attribute → how many numbers it holds. Limits are read elsewhere, and have no bound.
 _NUMBERS: Mapping[str, Mapping[str, int]] = {
@@ -39,8 +37,8 @@ def check_values(reader: XmlReader) -> None:
             if text is None:
                 continue
             values = reader.parse_numbers(element, text, attribute, count)
-            if any(abs(value) > _LARGEST for value in values):
-                raise reader.error(element, f"{attribute} is {text!r}, which is larger than {_LARGEST:g}")
+            if any(abs(value) > LARGEST for value in values):
+                raise reader.error(element, f"{attribute} is {text!r}, which is larger than {LARGEST:g}")
             if element.tag in _NEVER_NEGATIVE and values[0] < 0:
                 raise reader.error(element, f"{attribute} is {text!r}, but it cannot be negative")
 

@@ -44,7 +44,8 @@ class XmlReader:
             self.root = etree.fromstring(without_default_namespace(text).encode(), _PARSER)
         except etree.XMLSyntaxError as error:
             line = error.lineno if places is None else None
-            raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
+            reason = " ".join(str(error.msg).split())
+            raise InputError(f"this is not well-formed XML: {reason}", file=file, line=line) from None
 
         if places is not None and self._places is not None:
             numbers = {place: number for number, place in enumerate(self._places, start=1)}

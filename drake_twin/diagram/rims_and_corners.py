@@ -113,7 +113,7 @@ def _corners(shape: ContactShape) -> Iterator[ContactShape]:
     smallest, _, largest = sorted(np.ptp(points, axis=0).tolist())
     radius = _BALL * smallest
     inside = points - radius * signs if isinstance(form, Box) else _moved_inside(points, radius)
-    slim = _SLIM * UPRIGHT * largest / smallest**2
+    slim = _SLIM * UPRIGHT * largest / max(smallest, _LEAST) ** 2
     balls, stiffness = (2, slim) if slim > CORNER_STIFFNESS else (1, 2 * CORNER_STIFFNESS)
     for number, point in enumerate(np.repeat(inside, balls, axis=0)):
         part = _point(shape, f"corner{number}", Sphere(radius), point.tolist(), stiffness)

@@ -30,6 +30,7 @@ class InterfaceFiles:
     def __init__(self, folder_of: Callable[[str], Path | None]):
         self._folder_of = folder_of
         self._compared: set[str] = set()
+        self._loading: list[str] = []
 
     def names(self, package: str, kind: str) -> list[str]:
         """Return the types of a kind (``msg``, ``srv``, ``action``) that a package's files define."""
@@ -64,7 +65,13 @@ class InterfaceFiles:
                 raise InputError(f"{name} is defined differently in {before}, which was read before", file=file)
             return
         for line, kind in _messages_in(_parts(name, text, file)):
-            self.load(kind)
+            if kind in (*self._loading, name):
+                raise InputError(f"{name} has a field of {kind}, which is made of {name}", file=file, line=line)
+            self._loading.append(name)
+            try:
+                self.load(kind)
+            finally:
+                self._loading.pop()
             if not interface_types.knows(kind):
                 what = f"type {kind} does not exist"
                 raise InputError(what, file=file, line=line)
@@ -93,7 +100,10 @@ def _parts(name: str, text: str, file: Path) -> list[list[tuple[int, Any]]]:
         if line == "---":
             parts.append([])
         else:
-            parts[-1].extend((number, field) for field in _fields_of_line(name, line, number, file))
+            for field in _fields_of_line(name, line, number, file):
+                if any(field[0] == other for _, (other, _) in parts[-1]):
+                    raise InputError(f"there are several fields {field[0]!r}", file=file, line=number)
+                parts[-1].append((number, field))
     kind = name.split("/")[1]
     count = _PARTS[kind]
     if len(parts) != count:

@@ -158,7 +158,9 @@ class BagPlayer:
         for robot in self._robots:
             plan = self._plans[robot.name]
             if positions := self._joints[robot.name].get("positions"):
-                self._twin.entities.set_joint_positions(robot.name, plan.description.with_followers(positions))
+                leading = {joint.name for joint in plan.description.movable_joints if joint.mimic is None}
+                known = {name: position for name, position in positions.items() if name in leading}
+                self._twin.entities.set_joint_positions(robot.name, known)
             if plan.model.is_fixed:
                 continue
             found = self._in_root(robot)

@@ -20,6 +20,7 @@ from drake_twin.scenario.push import PUSH_DURATION as PUSH_DURATION  # for those
 from drake_twin.scenario.push import Push as Push
 from drake_twin.scenario.push import problems_of_push
 from drake_twin.typed_data import ValuePath, misfits
+from drake_twin.values import LARGEST
 
 # Drake's discrete solvers that support joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
@@ -271,6 +272,7 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:
         bounds = f"{SHORTEST_STEP:g} s to {LONGEST_STEP:g} s"
         yield ("time_step",), f"{scenario.time_step:g} s is out of bounds: valid are {bounds}"
+    yield from _far_away(scenario)
     for name, valid in (("engine", ENGINES), ("contact_approximation", CONTACT_APPROXIMATIONS)):
         if getattr(scenario, name) not in valid:
             yield (name,), _unknown(getattr(scenario, name), valid)
@@ -331,6 +333,21 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
             yield ("nodes", index, "executable"), "a node needs a script, or a package and its program"
         if not 0 <= node.time <= LONGEST_TIME:
             yield ("nodes", index, "time"), f"{node.time:g} s is not a time from zero to {LONGEST_TIME:g} s"
+
+
+def _far_away(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
+    """Yield the first component of each vector that overflows in the simulation."""
+    placed = (("robots", scenario.robots), ("static_transforms", scenario.static_transforms))
+    vectors: dict[ValuePath, tuple[float, ...]] = {
+        (name, index, part): getattr(item, part)
+        for name, items in placed
+        for index, item in enumerate(items)
+        for part in ("xyz", "rpy")
+    }
+    for path, vector in {("world", "gravity"): scenario.world.gravity or (), **vectors}.items():
+        for index, value in enumerate(vector):
+            if abs(value) > LARGEST:
+                yield (*path, index), f"{value:g} is out of bounds: valid are {-LARGEST:g} to {LARGEST:g}"
 
 
 def _unknown(value: str, valid: tuple[str, ...]) -> str:

@@ -176,3 +176,17 @@ def test_a_joint_may_have_a_slash_in_its_name(tmp_path):
     twin.publish("/r/c/commands", [2.0])
     twin.advance_to(1.0)
     assert twin.robot_state("r").velocities == pytest.approx((2.0,), abs=1e-3)
+
+
+def test_a_zero_byte_is_one_line(tmp_path):
+    (tmp_path / "r.urdf").write_bytes(b'<robot name="r"><link name="a"/>\0</robot>')
+    with pytest.raises(InputError, match=r"not well-formed XML: .*0x0") as refusal:
+        built(tmp_path / "r.urdf")
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_loose_box_that_is_as_thin_as_nothing_is_refused(tmp_path):
+    shape = "<collision><geometry><box size='1e-300 0.5 0.7'/></geometry></collision>"
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{INERTIAL}{shape}</link></robot>')
+    with pytest.raises(InputError, match="non-positive volume"):
+        built(tmp_path / "r.urdf")

@@ -261,3 +261,21 @@ def test_an_obj_with_a_corner_nowhere_is_converted_without_it(tmp_path):
 def test_a_sound_obj_with_normals_is_drawn_as_it_is(tmp_path):
     (tmp_path / "m.obj").write_text(FACES.replace("f 1 2 4", "f 1 \\\n 2 4 # a comment") + "f -1 -2 -3\n")
     assert visual_mesh(tmp_path / "m.obj") == tmp_path / "m.obj"
+
+
+SPECK = """<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema"><asset>
+<unit name="meter" meter="0.001"/></asset><library_geometries><geometry id="g"><mesh><source id="s">
+<float_array id="a" count="9">9.43199e-09 2.24391e-09 4.40436e-09 1.03801e-07 7.22176e-10 3.52006e-09 3.44226e-09
+1.06538e-07 2.57883e-09</float_array><technique_common><accessor source="#a" count="3" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+</source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices><triangles count="1">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="vs"><node id="n"><matrix>-0.9466 0.05644 0.3505 -0.7193 0.6911 0.09986 -0.1786
+-0.975 -0.471 0.1522 -0.6609 0.6062 0 0 0 1</matrix><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#vs"/></scene></COLLADA>"""
+
+
+def test_a_mesh_that_is_too_small_for_drakes_hull_is_refused(tmp_path):
+    (tmp_path / "m.dae").write_text(SPECK)
+    with pytest.raises(InputError, match="no convex hull"):
+        collision_mesh(tmp_path / "m.dae")

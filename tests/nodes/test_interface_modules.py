@@ -166,6 +166,9 @@ def test_other_modules_are_left_alone(workspace):
         ({"msg": {"A": "int32 a\n---\n"}}, "msg/A.msg: a msg file needs 0 lines of ---, but it has 1."),
         ({"srv": {"A": "int32 a\n"}}, "srv/A.srv: a srv file needs 1 lines of ---, but it has 0."),
         ({"action": {"A": "int32 a\n---\nint32 b\n"}}, "action/A.action: a action file needs 2 lines of ---"),
+        ({"msg": {"A": "int32 a\nint8 b\nstring a\n"}}, "msg/A.msg:3: there are several fields 'a'."),
+        ({"msg": {"A": "int32 a\nA b\n"}}, "msg/A.msg:2: bad_{}/msg/A has a field of bad_{}/msg/A, which is made of"),
+        ({"msg": {"A": "B b\n", "B": "A[] a\n"}}, "msg/B.msg:1: bad_{}/msg/B has a field of bad_{}/msg/A, which is"),
         ({"msg": {"A": "\nint32[3] a [1, 2]\n"}}, "msg/A.msg:2: wrong default value: a: 2 elements, but 3 are needed."),
     ],
 )

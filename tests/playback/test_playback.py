@@ -83,6 +83,14 @@ def test_another_programs_bag(tmp_path, played, plugin, namespace):
     assert (plan.controllers, plan.sensors) == ((), ())
 
 
+def test_joint_states_that_lack_a_joint_leave_it_where_it_is(tmp_path, played):
+    grip = '<link name="grip"/><joint name="close" type="continuous"><parent link="mast"/><child link="grip"/></joint>'
+    messages = cart_messages(text=CART.replace("</robot>", f"{grip}</robot>"))
+    player, twin = played(write(tmp_path / "bag", messages))
+    player.advance_to(1.0)
+    assert twin.robot_state("cart").positions == pytest.approx((0.25, 0.0))
+
+
 def test_time_controls(tmp_path, played, caplog):
     player, twin = played(write(tmp_path / "bag", cart_messages()))
 

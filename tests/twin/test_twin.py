@@ -478,6 +478,12 @@ def test_a_nan_in_a_robots_start_never_reaches_the_plant(options):
         TwinBuilder().robot("arm", ARM, **options).build()
 
 
+@pytest.mark.parametrize("options", [{"xyz": (0, 0, 1e308)}, {"rpy": (0, -1e13, 0)}])
+def test_a_robot_that_starts_too_far_away_is_refused(options):
+    with pytest.raises(InputError, match=r"robots\.0\..*out of bounds: valid are -1e\+12 to 1e\+12"):
+        TwinBuilder().robot("arm", ARM, **options).build()
+
+
 def test_a_nan_in_the_world_or_in_a_frame_never_reaches_the_plant():
     from drake_twin.scenario import World
 
