@@ -1,7 +1,6 @@
 """A rosbag2 bag as a wire: every topic is heard, and nothing comes in."""
 
 import contextlib
-import itertools
 import json
 import logging
 import subprocess
@@ -44,7 +43,7 @@ class BagWire:
         self._folder = folder
         self._failure: RunError | None = None
         self._topics = frozenset(topics)
-        self._numbers = itertools.count(1)
+        self._numbers: dict[bytes, int] = {}  # of descriptions: what is spawned again has the topics it had
         self._process: subprocess.Popen[bytes] | None = subprocess.Popen(
             [*python_command("drake_twin.wires.bag_writer"), str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
@@ -53,7 +52,7 @@ class BagWire:
         """Write a topic, if it is one of those that were asked for."""
         is_hidden = "/_" in topic.name or topic.type in (*_LEFT_OUT, *_PICTURES)
         is_wanted = topic.name in self._topics if self._topics else not is_hidden
-        return _BagSender(self, next(self._numbers), topic, is_wanted)
+        return _BagSender(self, self._number(topic) if is_wanted else 0, is_wanted)
 
     def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
         """Hear nothing."""
@@ -90,6 +89,24 @@ class BagWire:
             self._finish(process)
             _log.warning("%s (the run continues, and nothing more is written into the bag)", self._failure)
 
+    def _number(self, topic: WireEndpoint) -> int:
+        """Return a topic's number, told once: a bag has each topic of one quality once."""
+        quality = {
+            "latched": topic.latched,
+            "depth": 0 if topic.keeps_all else topic.kept,
+            "is_best_effort": topic.is_best_effort,
+            "lifespan": topic.lifespan,
+            "deadline": topic.deadline,
+            "is_manual": topic.is_manual,
+            "lease": topic.lease,
+        }
+        described = {"name": topic.name, "type": topic.type, "hash": topic.hash, "definition": topic.definition}
+        content = json.dumps({**described, "quality": quality}).encode()
+        if content not in self._numbers:
+            self._numbers[content] = len(self._numbers)
+            self.write(TOPIC, self._numbers[content], 0, content)
+        return self._numbers[content]
+
     def _finish(self, process: "subprocess.Popen[bytes]") -> None:
         assert process.stdin is not None
         assert process.stdout is not None
@@ -117,26 +134,9 @@ class _BagSender:
 
     keeps = True
 
-    def __init__(self, bag: BagWire, number: int, topic: WireEndpoint, is_wanted: bool):
+    def __init__(self, bag: BagWire, number: int, is_wanted: bool):
         self.is_heard = is_wanted
         self._bag, self._number = bag, number
-        if is_wanted:
-            description = {
-                "name": topic.name,
-                "type": topic.type,
-                "hash": topic.hash,
-                "definition": topic.definition,
-                "quality": {
-                    "latched": topic.latched,
-                    "depth": 0 if topic.keeps_all else topic.kept,
-                    "is_best_effort": topic.is_best_effort,
-                    "lifespan": topic.lifespan,
-                    "deadline": topic.deadline,
-                    "is_manual": topic.is_manual,
-                    "lease": topic.lease,
-                },
-            }
-            bag.write(TOPIC, number, 0, json.dumps(description).encode())
 
     def send(self, data: bytes, time: int) -> None:
         self._bag.write(MESSAGE, self._number, time, data)

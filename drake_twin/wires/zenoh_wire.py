@@ -31,6 +31,8 @@ from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 _log = logging.getLogger(__name__)
 _LONGEST_CLOSE = 2.0  # s that the caller waits for the session's end
 _PERIOD = 0.02  # s between two looks at who listens
+_MOST_TOKENS = 1_000_000  # of a look at the graph. Zenoh's own 256 stop the session for ever where more come before the
+# first is taken: it keeps its lock while it waits for a place, and the look needs it.
 _HEARTBEAT = 0.5  # s after which a late joiner notices a message that it has missed (rmw_publisher_data.cpp)
 
 
@@ -103,7 +105,10 @@ class ZenohWire:
 
     def tokens(self, domain: int | str) -> list[str]:
         """Return the liveliness tokens of a domain; of all domains with ``*``."""
-        replies = self._session.liveliness().get(graph_key(domain))
+        from zenoh import handlers
+
+        channel: Any = handlers.FifoChannel(_MOST_TOKENS)
+        replies = self._session.liveliness().get(graph_key(domain), channel)
         return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
     def topics_beside(self, node: str) -> list[str]:

@@ -81,6 +81,19 @@ def test_a_robot_that_comes_later_is_in_the_bag(tmp_path):
         assert reader.topics["/late/joint_states"].msgcount == 50
 
 
+def test_a_robot_that_comes_again_goes_on_in_the_bag(tmp_path):
+    def again(twin, wire):
+        late = Robot("late", ROVER, xyz=(0.0, 4.0, 0.13))
+        for change in (lambda: twin.entities.spawn(late), lambda: twin.entities.delete("late")) * 2:
+            change()
+            twin.advance_to(twin.time + 0.1)
+
+    written(tmp_path / "bag", meanwhile=again)
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert reader.topics["/late/joint_states"].msgcount == 20
+        assert len(reader.topics["/late/joint_states"].connections) == 1
+
+
 def test_the_end_of_the_bags_process_does_not_end_the_run(tmp_path, caplog):
     def kill(twin, wire):
         os.kill(wire._process.pid, signal.SIGKILL)
