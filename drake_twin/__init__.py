@@ -6,7 +6,6 @@ The public names, imported when they are first used::
 """
 
 import sys
-from typing import TYPE_CHECKING, Any
 
 if sys.version_info < (3, 11):  # noqa: UP036  # before another module is read, whose syntax an older Python may lack
     import os
@@ -21,6 +20,18 @@ if sys.version_info < (3, 11):  # noqa: UP036  # before another module is read, 
         print(f"error: {_refusal}", file=sys.stderr)
         sys.exit(2)
     raise ImportError(_refusal)
+
+# `python -m drake_twin.PROGRAM` imports this first, when Python has not yet put the program's file into `sys.argv`;
+# another package's program may do so, too, and is left alone.
+_first = "".join(sys.argv[:1])
+_is_module = _first == "-m" and any(word.startswith(("drake_twin", "-mdrake_twin")) for word in sys.orig_argv)
+_is_program = _is_module or _first.endswith("/drake-twin")
+if _is_program:
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it without a message until it can end by itself
+
+from typing import TYPE_CHECKING, Any  # noqa: E402  # a signal may arrive meanwhile
 
 if TYPE_CHECKING:
     from drake_twin.builder.twin_builder import TwinBuilder
@@ -110,6 +121,5 @@ def _refuse(kind: type[BaseException], error: BaseException, traceback: Any) -> 
         leave(explained.exit_code)
 
 
-# `python -m drake_twin.PROGRAM` imports this first, when Python has not yet put the program's file there.
-if sys.argv[:1] == ["-m"]:
+if _is_program:
     sys.excepthook = _refuse

@@ -3,11 +3,6 @@
 Those that talk to a running twin are modules of `drake_twin.tools`.
 """
 
-import signal
-
-if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends it without a message
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
 import sys
 from collections.abc import Sequence
 from importlib import import_module

@@ -1,10 +1,5 @@
 """``python -m drake_twin.calibrate``: the values that a robot has, from logs of it."""
 
-import signal
-
-if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends it without a message
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
 import argparse
 import os
 import shlex
@@ -13,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_twin.cli.build_line import build_line
 from drake_twin.errors import InputError
 from drake_twin.program import (
     ArgumentParser,
@@ -126,19 +122,20 @@ def _calibrated(options: argparse.Namespace, arguments: Sequence[str], stopped: 
     Raises:
         InputError: If the target, a log or an option cannot be used.
     """
-    from drake_twin.calibration.fit import LONGEST_DELAY, MOST_EPISODES, StoppedError, calibrate
-    from drake_twin.calibration.fitted import Fitted
-    from drake_twin.calibration.noise import parse_noise
-    from drake_twin.cli.lost import check_lost
-    from drake_twin.cli.options import parser as run_parser
-    from drake_twin.cli.target import find_target
+    with build_line(stopped):
+        from drake_twin.calibration.fit import LONGEST_DELAY, MOST_EPISODES, StoppedError, calibrate
+        from drake_twin.calibration.fitted import Fitted
+        from drake_twin.calibration.noise import parse_noise
+        from drake_twin.cli.lost import check_lost
+        from drake_twin.cli.options import parser as run_parser
+        from drake_twin.cli.target import find_target
 
-    fitted = [*map(Fitted.parse, options.fit)]
-    renamed = dict(map(_renamed, options.map))
-    noise = parse_noise(options.noise)
-    start = dict(map(_number, options.start))
-    scenario = find_target(run_parser().parse_args(options.target)).scenario
-    check_lost(scenario.findings, keep_going=options.keep_going)
+        fitted = [*map(Fitted.parse, options.fit)]
+        renamed = dict(map(_renamed, options.map))
+        noise = parse_noise(options.noise)
+        start = dict(map(_number, options.start))
+        scenario = find_target(run_parser().parse_args(options.target)).scenario
+        check_lost(scenario.findings, keep_going=options.keep_going)
     try:
         return calibrate(
             scenario,

@@ -4,9 +4,11 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_twin.cli.build_line import build_line
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_version, run_program, say, stop_signals
 
@@ -47,24 +49,27 @@ def _program(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(arguments)
     if not 0 < options.rate < float("inf"):
         raise InputError(f"--rate {options.rate:g} is not a positive number")
-    from drake_twin.description.package_index import absolute_path
-    from drake_twin.playback.bag import Bag
+    with stop_signals() as stopped, ExitStack() as stack:
+        with build_line(stopped):
+            from drake_twin.description.package_index import absolute_path
+            from drake_twin.playback.bag import Bag
 
-    with stop_signals() as stopped, Bag(options.bag) as bag:
+            bag = stack.enter_context(Bag(options.bag))
         _play(bag, tuple(absolute_path(folder) for folder in options.package_path), options, stopped)
     return 0
 
 
 def _play(bag: "Bag", package_paths: tuple[str, ...], options: argparse.Namespace, stopped: Sequence[int]) -> None:
-    from drake_twin.cockpit.served_page import ServedPage
-    from drake_twin.findings import grouped
-    from drake_twin.playback.bag_player import BagPlayer
-    from drake_twin.playback.robots import recorded_scenario
-    from drake_twin.twin.twin import Twin
+    with build_line(stopped):
+        from drake_twin.cockpit.served_page import ServedPage
+        from drake_twin.findings import grouped
+        from drake_twin.playback.bag_player import BagPlayer
+        from drake_twin.playback.robots import recorded_scenario
+        from drake_twin.twin.twin import Twin
 
-    scenario, robots = recorded_scenario(bag, package_paths)
-    twin = Twin(scenario)
-    player = BagPlayer(bag, twin, robots)
+        scenario, robots = recorded_scenario(bag, package_paths)
+        twin = Twin(scenario)
+        player = BagPlayer(bag, twin, robots)
     player.rate = options.rate
     for kind, sentence in grouped(player.findings):
         say(f"{kind}: {sentence}", sys.stderr)

@@ -8,6 +8,7 @@ import logging
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
@@ -20,6 +21,7 @@ from drake_twin.requirements import imports_explained
 _NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # of files; a pipe or a terminal that is closed is the reader's wish
 _lost_output: list[str] = []  # why a part of standard output is lost
 
+PATIENCE = 2.0  # s from a signal on, in which a program ends by itself
 FIGURES = (".png", ".svg", ".pdf")
 
 
@@ -226,17 +228,30 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
 
 @contextlib.contextmanager
 def stop_signals() -> Iterator[list[int]]:
-    """Collect Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
+    """Collect Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps and writes its files.
+
+    Another one kills, unless it comes within `PATIENCE` of the first: who presses Ctrl-C twice loses no file. A closed
+    terminal ends nothing that was started by ``nohup``.
+    """
     stopped: list[int] = []
     previous: dict[int, Any] = {}
+    first = 0.0
 
     def stop(number: int, _frame: Any) -> None:
+        nonlocal first
+        now = time.monotonic()
         stopped.append(number)
-        for each, handler in previous.items():
-            signal.signal(each, handler)
+        if len(stopped) == 1:
+            first = now
+        elif now - first > PATIENCE:
+            for each, handler in previous.items():
+                signal.signal(each, handler)
+            os.kill(os.getpid(), number)
 
     number: int
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN:
+            continue
         with contextlib.suppress(ValueError):  # only the main thread may handle signals
             previous[number] = signal.signal(number, stop)
     try:

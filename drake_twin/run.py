@@ -1,10 +1,5 @@
 """``python -m drake_twin.run``: robots in one Drake simulation, with a page in the browser."""
 
-import signal
-
-if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends it without a message
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
 import argparse
 import sys
 import time

@@ -1,10 +1,5 @@
 """``python -m drake_twin.sweep``: a scenario over values and seeds, on all cores, as a table."""
 
-import signal
-
-if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends it without a message
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
 import argparse
 import os
 import shlex
@@ -15,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.cli.build_line import build_line
 from drake_twin.errors import InputError, RunError
 from drake_twin.program import (
     ArgumentParser,
@@ -150,13 +146,14 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int], processes: Processes) -> int:
-    from drake_twin.cli.lost import check_lost
-    from drake_twin.sweeps.episode import ERROR, trial
-    from drake_twin.sweeps.progress_line import ProgressLine
-    from drake_twin.sweeps.results import Results, check_format
+    with build_line(stopped):
+        from drake_twin.cli.lost import check_lost
+        from drake_twin.sweeps.episode import ERROR, trial
+        from drake_twin.sweeps.progress_line import ProgressLine
+        from drake_twin.sweeps.results import Results, check_format
 
-    check_format(options.out)
-    sweep = _described(options)
+        check_format(options.out)
+        sweep = _described(options)
     if len(sweep) > _MANY and not options.yes:
         raise InputError(f"these are {len(sweep):,} episodes: --yes runs them")
     results = Results(options.out, sweep, force=options.force)
@@ -167,14 +164,15 @@ def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Seque
     outcomes: Counter[str] = Counter()
     try:
         with _engine(options, sweep, left, processes) as engine:
-            check_lost(trial(sweep), keep_going=options.keep_going)
+            with build_line(stopped):
+                check_lost(trial(sweep), keep_going=options.keep_going)
             episodes = (item for item in sweep.design.episodes() if sweep.id_of(item) not in results.rows)
             with ProgressLine(len(sweep), len(results.rows)) as progress:
                 for row in engine.rows(episodes, stopped):
                     results.add(row)
                     progress.show(row)
                     outcomes[row["outcome"]] += 1
-    except InputError:
+    except (InputError, KeyboardInterrupt):
         results.discard_empty()
         raise
     except RunError as error:

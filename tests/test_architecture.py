@@ -43,7 +43,7 @@ ROOMS = [
     ["scenario"],
     ["description"],
     ["messages"],
-    ["program", "progress", "python_process", "whole_file", "own_host"],
+    ["program", "progress", "python_process", "whole_file", "own_host", "scratch_folder"],
     ["findings"],
     ["typed_data"],
     ["values", "extensions", "frozen", "requirements", "saved", "versions"],

@@ -9,7 +9,7 @@ import weakref
 import pytest
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.program import ArgumentParser, collecting_later, run_program, say, stop_signals
+from drake_twin.program import PATIENCE, ArgumentParser, collecting_later, run_program, say, stop_signals
 
 
 def failing(error):
@@ -61,16 +61,36 @@ def test_debug_lets_the_error_through():
         run_program(failing(InputError("x")), ["--debug"])
 
 
-def test_the_first_signal_is_collected_and_the_second_has_its_usual_effect():
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background starts without it
+@pytest.fixture
+def default_ctrl_c():
+    """A job in the background starts without it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_a_second_signal_kills_only_where_the_first_one_does_not_end_the_program_soon(monkeypatch, default_ctrl_c):
+    now = 100.0
+    monkeypatch.setattr("time.monotonic", lambda: now)
+    with stop_signals() as stopped:
+        os.kill(os.getpid(), signal.SIGINT)
+        now += PATIENCE
+        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), signal.SIGINT)
+        assert stopped == [signal.SIGINT, signal.SIGTERM, signal.SIGINT]
+        now += 0.1
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_a_closed_terminal_does_not_end_what_nohup_has_started():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         with stop_signals() as stopped:
-            os.kill(os.getpid(), signal.SIGINT)
-            assert stopped == [signal.SIGINT]
-            with pytest.raises(KeyboardInterrupt):
-                os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert stopped == []
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGHUP, before)
 
 
 def test_a_reader_that_went_away_does_not_end_a_program(tmp_path):

@@ -1,12 +1,13 @@
 """Processes that are started search modules where the one that starts them does: not in a stranger's working folder."""
 
 import os
+import signal
 import subprocess
 import sys
 
 import pytest
 
-from drake_twin.python_process import end_module_search, python_command, same_module_search
+from drake_twin.python_process import end_module_search, python_command, same_module_search, stops_held_back
 
 # A folder as a stranger's package may be, and programs as ``drake-twin`` starts them: not with ``python -m``.
 SHADOWS = ("json", "struct", "numpy", "lxml", "yaml")
@@ -67,3 +68,46 @@ def test_the_environment_is_as_before(tmp_path, monkeypatch):
             end_module_search()  # in the process that was started
             assert os.environ.get("PYTHONSAFEPATH") == given
         assert os.environ.get("PYTHONSAFEPATH") == given
+
+
+CHILD = """
+import sys
+sys.stdin.readline()
+from drake_twin.python_process import ignore_stops
+ignore_stops()
+print("ready", flush=True)
+sys.stdin.readline()
+print("end", flush=True)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_that_stops_programs_stops_no_process_of_the_twins_own_at_any_time(number):
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    with stops_held_back():
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        child = subprocess.Popen([sys.executable, "-c", CHILD], **pipes)
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before
+    child.send_signal(number)  # while Python starts
+    child.stdin.write("\n")
+    child.stdin.flush()
+    assert child.stdout.readline() == "ready\n"
+    child.send_signal(number)
+    assert child.communicate("\n")[0] == "end\n"
+    assert child.returncode == 0
+
+
+DIES_WITH = """
+import os, signal, subprocess, sys
+child = "import signal, sys; from drake_twin.python_process import die_with; die_with(int(sys.argv[1]));"
+child += "print('here', flush=True); signal.pause()"
+subprocess.Popen([sys.executable, "-c", child, str(os.getpid())])
+signal.pause()
+"""
+
+
+def test_a_process_ends_with_the_twin_that_is_killed():
+    twin = subprocess.Popen([sys.executable, "-c", DIES_WITH], stdout=subprocess.PIPE, text=True)
+    assert twin.stdout.readline() == "here\n"
+    twin.kill()
+    assert twin.communicate()[0] == ""  # the pipe's end: nobody has it open any longer

@@ -14,6 +14,7 @@ from drake_twin.benchmarks.size import Size
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_version, run_program, say
 from drake_twin.requirements import EXTRAS, missing
+from drake_twin.scratch_folder import scratch_folder
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -46,7 +47,7 @@ def _main(arguments: Sequence[str]) -> int:
     if absent:
         raise missing("the benchmarks need", *absent)
     tables: list[Table] = []
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=scratch_folder()) as folder:
         size = Size(Path(folder), max(1, options.repeats))
         if options.quick:
             size = Size(Path(folder), repeats=1, counts=(1, 2), many=(1, 2), scale=0.05)

@@ -1,5 +1,6 @@
 """A program that runs in a process of its own, with a time limit, while the twin continues."""
 
+import os
 import subprocess
 import tempfile
 import time
@@ -11,8 +12,8 @@ class LimitedProcess:
     """A module of ours that runs as a program: exit code 0, or what is wrong on stderr.
 
     Args:
-        module: The module's name.
-        arguments: Its arguments.
+        module: The module's name; its first argument is the number of this process, for `die_with`.
+        arguments: Its other arguments.
         what: What takes too long, for example ``xacro takes longer than {longest} s``.
         longest: The wall time after which it is ended (s).
     """
@@ -21,7 +22,7 @@ class LimitedProcess:
         self._what, self._longest = what, longest
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 (a pipe would be full before the process has ended)
         self._process = subprocess.Popen(
-            [*python_command(module), *arguments],
+            [*python_command(module), str(os.getpid()), *arguments],
             stdin=subprocess.DEVNULL,
             stdout=self._output,
             stderr=subprocess.PIPE,

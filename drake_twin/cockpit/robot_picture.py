@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from drake_twin.cockpit.limited_process import LimitedProcess
 from drake_twin.errors import RunError, TwinError
+from drake_twin.python_process import die_with
 
 LONGEST = 30.0  # s of wall time
 _SIZE = (320, 240)
@@ -85,8 +86,9 @@ def png(file: str, arguments: Mapping[str, str], folders: Sequence[str]) -> byte
     return file_of_picture.getvalue()
 
 
-def main(file: str, data: str) -> int:
+def main(parent: str, file: str, data: str) -> int:
     """Print a robot's picture, or what is wrong with it."""
+    die_with(int(parent))
     arguments, folders = json.loads(data)
     try:
         print(base64.b64encode(png(file, arguments, folders)).decode())

@@ -9,6 +9,7 @@ from drake_twin.cockpit.limited_process import LimitedProcess
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.errors import TwinError
+from drake_twin.python_process import die_with
 
 LONGEST = 10.0  # s of wall time
 
@@ -28,8 +29,9 @@ class XacroTrial(LimitedProcess):
         super().__init__(__name__, given, "xacro takes longer than {longest} s to expand the file", longest)
 
 
-def main(file: str, data: str) -> int:
+def main(parent: str, file: str, data: str) -> int:
     """Expand a file; print what is wrong with it."""
+    die_with(int(parent))
     arguments, folders = json.loads(data)
     try:
         expand_xacro(Path(file), arguments, PackageIndex(folders))

@@ -14,6 +14,7 @@ from urllib.parse import unquote
 
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError, RunError
+from drake_twin.scratch_folder import scratch_folder
 from drake_twin.versions import MESHES
 from drake_twin.whole_file import write_whole
 
@@ -88,7 +89,7 @@ def _temporary_base() -> Path:
         is_own = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o077
         if is_own and os.access(base, os.W_OK):
             return base
-    return Path(tempfile.mkdtemp(prefix="drake_twin_"))
+    return scratch_folder()
 
 
 def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:

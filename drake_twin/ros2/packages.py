@@ -1,12 +1,9 @@
 """Packages as launch files see them: found, built in, or absent."""
 
-import atexit
 import contextlib
 import functools
 import os
 import re
-import shutil
-import tempfile
 from pathlib import Path
 
 from drake_twin.description.lasting_files import lasting_folder
@@ -142,11 +139,3 @@ def prefix_of(share: Path) -> Path:
         with contextlib.suppress(FileExistsError):  # another process was faster
             link.symlink_to(share)
     return prefix
-
-
-@functools.lru_cache(maxsize=1)
-def scratch_folder() -> Path:
-    """Return a folder of this process, which is removed when it ends."""
-    folder = Path(tempfile.mkdtemp(prefix="drake_twin_launch_"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder

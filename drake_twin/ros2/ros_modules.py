@@ -21,10 +21,10 @@ from pathlib import Path
 from drake_twin.description.xacro_file import installed_xacro, tags_with_places
 from drake_twin.ros2.graph_modules import GraphFinder, is_graph_module
 from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
-from drake_twin.ros2.packages import scratch_folder
 from drake_twin.ros2.scopes import set_environment
 from drake_twin.ros2.stand_in_modules import ROOTS, StandInFinder, StandInLoader
 from drake_twin.ros2.xacro_program import LAUNCH_FILE, PACKAGE_FOLDERS
+from drake_twin.scratch_folder import scratch_folder
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _LASTING_FOLDERS = tuple(

@@ -4,18 +4,15 @@ That is why this module imports nothing of Drake but in these processes.
 """
 
 import contextlib
-import ctypes
 import multiprocessing
 import os
-import signal
 import sys
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from typing import NamedTuple, Self
 
-from drake_twin.python_process import end_module_search, same_module_search
-
-_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux's prctl
+from drake_twin.python_process import die_with, end_module_search, ignore_stops, same_module_search, stops_held_back
 
 
 def workers_of_machine() -> int:
@@ -73,15 +70,17 @@ def _start() -> Started:
     # Without the sweep: a child that is killed while it reads a long argument would block this process for ever.
     process = context.Process(target=_work, args=(other, os.getpid()), daemon=True)
     with same_module_search():
-        process.start()
+        resource_tracker.ensure_running()  # `start` would do it, and let signals through again
+        with stops_held_back():
+            process.start()
     other.close()
     return Started(process, own)
 
 
 def _work(connection: Connection, parent: int) -> None:
     """Run the episodes of a sweep until the connection ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal
-    _die_with(parent)
+    ignore_stops()
+    die_with(parent)
     end_module_search()
     try:
         from drake_twin.sweeps.episode import Runner
@@ -94,11 +93,3 @@ def _work(connection: Connection, parent: int) -> None:
             connection.send(run(connection.recv()))
     sys.stdout.flush()
     os._exit(0)
-
-
-def _die_with(parent: int) -> None:
-    """Let the system end this process with its parent, also where that is killed."""
-    with contextlib.suppress(OSError, AttributeError):
-        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
-    if os.getppid() != parent:  # it has ended before
-        os._exit(1)

@@ -2,7 +2,7 @@
 
 import sys
 import time
-from typing import Any
+from typing import Any, TextIO, cast
 
 from drake_twin.program import say
 from drake_twin.sweeps.episode import ERROR, Row
@@ -59,4 +59,17 @@ def _bar() -> Any:
     except ImportError:
         return None
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    return Progress(*columns, TextColumn("{task.fields[failed]} failed"), console=Console(stderr=True))
+    return Progress(
+        *columns, TextColumn("{task.fields[failed]} failed"), console=Console(file=cast(TextIO, _Terminal()))
+    )
+
+
+class _Terminal:
+    """The terminal of standard error, which may be closed meanwhile."""
+
+    def write(self, text: str) -> int:
+        say(text, sys.stderr, end="")
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(sys.stderr, name)

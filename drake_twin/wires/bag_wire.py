@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.python_process import python_command
+from drake_twin.python_process import python_command, stops_held_back
 from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC
 from drake_twin.wires.wire import Closable, Reply, WireEndpoint
 
@@ -44,9 +44,11 @@ class BagWire:
         self._failure: RunError | None = None
         self._topics = frozenset(topics)
         self._numbers: dict[bytes, int] = {}  # of descriptions: what is spawned again has the topics it had
-        self._process: subprocess.Popen[bytes] | None = subprocess.Popen(
-            [*python_command("drake_twin.wires.bag_writer"), str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        command = [*python_command("drake_twin.wires.bag_writer"), str(folder)]
+        with stops_held_back():
+            self._process: subprocess.Popen[bytes] | None = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            )
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_BagSender":
         """Write a topic, if it is one of those that were asked for."""

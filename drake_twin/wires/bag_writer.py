@@ -13,13 +13,13 @@ What was lost is said on standard output, and the exit code is 1.
 
 import contextlib
 import json
-import signal
 import struct
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from drake_twin.errors import RunError
+from drake_twin.python_process import ignore_stops
 from drake_twin.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ _DISTRIBUTION = "jazzy"
 
 def main() -> int:
     """Write what comes on standard input into the folder that the command line names; return the exit code."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # sent to the whole group; the pipe's end ends it
-        signal.signal(number, signal.SIG_IGN)
+    ignore_stops()  # the pipe's end ends it
     try:
         write_bag(sys.argv[1], sys.stdin.buffer)
     except (OSError, RunError) as error:

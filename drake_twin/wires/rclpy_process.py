@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from drake_twin.errors import InputError
+from drake_twin.python_process import stops_held_back
 from drake_twin.wires.rclpy_records import STARTED, Pipe, records
 
 # Its modules of drake_twin are found without the rest of it, for which that Python may lack the requirements.
@@ -31,7 +32,7 @@ for name, folder in (("drake_twin", sys.argv[1]), ("drake_twin.wires", sys.argv[
     sys.modules[name].__path__ = [folder]
 runpy.run_module("drake_twin.wires.rclpy_program", run_name="__main__")
 """
-_FAREWELL = 3.0  # s of wall time to take the nodes off the graph
+_FAREWELL = 1.5  # s of wall time to take the nodes off the graph
 _BUFFER = 1 << 20  # bytes, so that the twin does not wait for it at its start
 _MOST_LINES = 20  # of what the process prints that are kept
 _SOURCE = "`source /opt/ros/DISTRO/setup.bash` in this terminal"
@@ -141,7 +142,8 @@ class RosProcess:
     def _start(self, rclpy: Rclpy, options: str) -> None:
         command = [self.python, "-c", _START, str(Path(__file__).parents[1]), str(rclpy.folder), options]
         pipe = subprocess.PIPE
-        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, bufsize=0)
+        with stops_held_back():
+            self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, bufsize=0)
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         with contextlib.suppress(AttributeError, OSError):  # only Linux has it

@@ -7,18 +7,17 @@ nodes off the graph.
 
 import json
 import os
-import signal
 import sys
 import threading
 
+from drake_twin.python_process import ignore_stops
 from drake_twin.wires.rclpy_graph import RclpyGraph
 from drake_twin.wires.rclpy_records import FAILED, STARTED, Pipe
 
 
 def main() -> int:
     """Run with the options that the command line ends with, as JSON; return the exit code."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # sent to the whole group; the pipe's end ends it
-        signal.signal(number, signal.SIG_IGN)
+    ignore_stops()  # the pipe's end ends it
     pipe = Pipe(os.fdopen(os.dup(1), "wb", buffering=0))
     os.dup2(2, 1)  # libraries must not print between records
     options = json.loads(sys.argv[-1])

@@ -47,12 +47,14 @@ def rclpy_in(folder, *files):
 
 def test_what_runs_with_the_machines_python_needs_neither_a_newer_one_nor_the_twins_packages():
     allowed = {*sys.stdlib_module_names, "rclpy"}
-    for name in OF_PROCESS:
-        tree = ast.parse((WIRES / f"rclpy_{name}.py").read_text("utf-8"), feature_version=(3, 10))
+    files = {name: WIRES / f"rclpy_{name}.py" for name in OF_PROCESS}
+    files["python_process"] = WIRES.parent / "python_process.py"
+    for name, file in files.items():
+        tree = ast.parse(file.read_text("utf-8"), feature_version=(3, 10))
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom):
-                own = node.module.removeprefix("drake_twin.wires.rclpy_")
-                assert own in OF_PROCESS or node.module.partition(".")[0] in allowed, (name, node.module)
+                own = node.module.removeprefix("drake_twin.wires.rclpy_").removeprefix("drake_twin.")
+                assert own in files or node.module.partition(".")[0] in allowed, (name, node.module)
             elif isinstance(node, ast.Import):
                 assert all(each.name in allowed for each in node.names), name
 

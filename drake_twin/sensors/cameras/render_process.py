@@ -6,7 +6,6 @@ VTK ends the whole process where Mesa is installed by half.
 """
 
 import mmap
-import signal
 import sys
 from math import degrees, pi
 from multiprocessing.connection import Connection
@@ -43,6 +42,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.sensors import CameraInfo
 
 from drake_twin.description.surroundings import Light
+from drake_twin.python_process import ignore_stops
 from drake_twin.sensors.cameras.picture import COLOR, DEPTH, NO_OPENGL, NO_SCENE, View
 from drake_twin.sensors.cameras.scene import SeenScene, SeenShape
 
@@ -168,7 +168,7 @@ def main(connection: str, file: str) -> None:
         connection: The number of the connection's file.
         file: That of the memory.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who has asked
+    ignore_stops()
     link: Any = Connection(int(connection))
     try:
         serve(link, int(file))

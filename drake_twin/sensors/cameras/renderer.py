@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from drake_twin.findings import Finding, Kind
-from drake_twin.python_process import python_command
+from drake_twin.python_process import python_command, stops_held_back
 from drake_twin.sensors.cameras.picture import COLOR, DEPTH, NO_OPENGL, NO_SCENE, View
 from drake_twin.sensors.cameras.scene import SeenScene
 
@@ -149,13 +149,14 @@ class Renderer:
         ours, theirs = Pipe()
         self._file = os.memfd_create("drake_twin_pictures")
         numbers = (theirs.fileno(), self._file)
-        self.process = subprocess.Popen(
-            [*self.command, *map(str, numbers)],
-            pass_fds=numbers,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        with stops_held_back():
+            self.process = subprocess.Popen(
+                [*self.command, *map(str, numbers)],
+                pass_fds=numbers,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
         theirs.close()
         self._connection = ours
         self._end = weakref.finalize(self, _end, self.process, ours, self._file)

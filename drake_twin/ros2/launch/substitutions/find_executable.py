@@ -8,7 +8,7 @@ from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
-from drake_twin.ros2.packages import scratch_folder
+from drake_twin.scratch_folder import scratch_folder
 
 
 @expose_substitution("find-exec")
