@@ -46,6 +46,8 @@ _BY_REASON: Mapping[str, tuple[str, ...]] = {
         "launch.LaunchDescription.visit(context)",
         "launch.substitutions.TextSubstitution.perform(context)",
         "rclpy.action.server.default_cancel_callback(cancel_request)",
+        "rclpy.impl.rcutils_logger.LoggingFilter.should_log",
+        "rclpy.impl.rcutils_logger.LoggingFilter.should_log(context)",
         "rclpy.action.server.default_goal_callback(goal_request)",
         "rclpy.callback_groups.MutuallyExclusiveCallbackGroup.can_execute(entity)",
         "rclpy.callback_groups.MutuallyExclusiveCallbackGroup.ending_execution(entity)",

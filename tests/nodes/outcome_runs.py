@@ -8,7 +8,7 @@ from pathlib import Path
 from drake_twin.builder.twin_builder import TwinBuilder
 
 FOLDER = Path(__file__).parent / "rclpy_outcomes"
-PROGRAMS = sorted(file.stem for file in FOLDER.glob("p*.py") if file.stem != "p35_surface")
+PROGRAMS = sorted(file.stem for file in FOLDER.glob("p*.py"))
 BOX = (
     '<robot name="box"><link name="base"><inertial><mass value="1"/>'
     '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
@@ -75,6 +75,9 @@ def recorded(name: str) -> list[str]:
 def compared(name: str, printed: list[str]) -> list[str]:
     """Return the lines of a program that differ from the recorded ones."""
     expected = recorded(name)
+    absent = {line.split()[2] for line in expected if line.startswith("@@ MOD ") and " ABSENT " in line}
+    # Of a module that the recorded machine lacked, there is nothing to compare but that it is there.
+    printed = [line for line in printed if line.startswith("@@ MOD ") or not absent.intersection(line.split()[2:3])]
     return differences(expected, printed[: len(expected)] if name in ABORTED else printed)
 
 

@@ -12,6 +12,8 @@ def task(monkeypatch):
     """The thread of a node program, with its simulation time (ns)."""
     found = SimpleNamespace(now=0, program=SimpleNamespace(rclpy={}))
     monkeypatch.setattr("drake_twin.nodes.rclpy.logging.here", lambda: found)
+    monkeypatch.setattr("drake_twin.nodes.rclpy.impl.logging_levels.here", lambda: found)
+    monkeypatch.setattr("drake_twin.nodes.rclpy.clock.present_task", lambda: found)
     return found
 
 

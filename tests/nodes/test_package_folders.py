@@ -1,5 +1,6 @@
 """Node programs find the packages of their workspace, with their messages and their files."""
 
+import pytest
 from interface_packages import write_package
 from node_scripts import run_script
 
@@ -60,6 +61,34 @@ def test_other_modules_are_left_alone():
     folders = PackageFolders({}.get)
     assert folders.source("ament_index_python.other") is None
     assert folders.source("ament_index_python").PackageNotFoundError is PackageNotFoundError
+
+
+def installed(prefix, kind, name, content):
+    file = prefix / "share" / "ament_index" / "resource_index" / kind / name
+    file.parent.mkdir(parents=True)
+    file.write_text(content)
+
+
+def test_resources_of_the_workspace_and_of_installed_ones(tmp_path, monkeypatch):
+    """A package of the workspace is a resource of the type ``packages``; installed prefixes have the others."""
+    share, prefix = tmp_path / "ws" / "share" / "rover", tmp_path / "installed"
+    installed(prefix, "plugins", "rover", "rover.xml")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{prefix}:{tmp_path / 'gone'}")
+    folders = PackageFolders({"rover": share}.get)
+    index = folders.source("ament_index_python.resources")
+    assert index.get_search_paths() == [str(prefix)]
+    assert index.get_resource("packages", "rover") == ("", str(tmp_path / "ws"))
+    assert index.get_resource("plugins", "rover") == ("rover.xml", str(prefix))
+    assert index.has_resource("plugins", "other") is False
+    assert index.get_resources("packages") == {"rover": str(tmp_path / "ws")}
+    assert index.get_resources("plugins") == {"rover": str(prefix)}
+    assert index.get_resource_types() == {"packages", "plugins"}
+    with pytest.raises(LookupError, match="Could not find the resource 'other' of type 'plugins'"):
+        index.get_resource("plugins", "other")
+    with pytest.raises(index.InvalidResourceNameError, match=r"'\.\./x' is invalid"):
+        index.has_resource("plugins", "../x")
+    with pytest.raises(index.InvalidResourceTypeNameError, match="'a/b' is invalid"):
+        index.get_resources("a/b")
 
 
 def test_a_module_of_another_name_than_its_package(tmp_path, capsys):

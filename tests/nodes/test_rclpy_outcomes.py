@@ -1,4 +1,4 @@
-"""Twenty programs beside what the real rclpy printed; see rclpy_outcomes/README.md."""
+"""Twenty-one programs beside what the real rclpy printed; see rclpy_outcomes/README.md."""
 
 import subprocess
 
@@ -32,17 +32,17 @@ def listed(name):
 def test_a_program_prints_what_the_real_rclpy_printed(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run_in_twin(prepared(name, tmp_path))
-    assert compared(name, judged(capsys.readouterr().out.split("\n"))) == listed(name)
+    assert sorted(compared(name, judged(capsys.readouterr().out.split("\n")))) == sorted(listed(name))
 
 
 def test_at_most_two_percent_of_the_lines_differ():
     lines = sum(len(recorded(name)) for name in PROGRAMS)
-    assert lines == 4813 - 3666
+    assert lines == 4813
     assert sum(line[0] == "-" for name in PROGRAMS for line in listed(name)) <= 0.02 * lines
 
 
 @pytest.mark.ros
-@pytest.mark.parametrize("name", [name for name in PROGRAMS if name not in ("p40_testmsgs", "p35_surface")])
+@pytest.mark.parametrize("name", [name for name in PROGRAMS if name != "p40_testmsgs"])
 def test_the_real_rclpy_still_prints_it(name, tmp_path):
     """A newer one may differ: then the recording is to be made anew, and the stand-in follows it."""
     rclpy = find_rclpy()

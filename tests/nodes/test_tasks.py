@@ -7,9 +7,9 @@ from drake_twin.nodes.rclpy.task import Future, Task
 
 def test_a_function_has_its_result_after_one_call():
     task = Task(lambda a, b=0: a + b, (2,), {"b": 3})
-    assert task.is_ready()
+    assert task._is_ready()
     task()
-    assert (task.result(), task.has_ended, task.is_ready()) == (5, True, False)
+    assert (task.result(), task._done, task._is_ready()) == (5, True, False)
     task()  # which does nothing
     assert task.result() == 5
 
@@ -23,11 +23,11 @@ def test_a_coroutine_waits_for_a_future_and_has_its_result():
 
     task = Task(work, (4,))
     task()
-    assert (seen, task.has_ended, task.is_ready()) == (["begun"], False, False)
+    assert (seen, task._done, task._is_ready()) == (["begun"], False, False)
     future.set_result(2.5)
-    assert task.is_ready()
+    assert task._is_ready()
     task()
-    assert (task.result(), task.has_ended) == (10.0, True)
+    assert (task.result(), task._done) == (10.0, True)
     assert seen == ["begun"]
 
 
@@ -48,7 +48,7 @@ def test_what_a_task_raises_is_its_exception():
         task = Task(handler)
         task()
         assert isinstance(task.exception(), KeyError)
-        assert task.has_ended
+        assert task._done
         with pytest.raises(KeyError):
             task.result()
 
@@ -64,6 +64,6 @@ def test_callbacks_are_called_once_when_it_has_ended_or_is_cancelled():
     assert called == []
     second.cancel()
     assert called == [second]
-    assert (second.cancelled(), second.has_ended) == (True, False)  # as in rclpy 7.1
+    assert (second.cancelled(), second._done) == (True, False)  # as in rclpy 7.1
     second.add_done_callback(called.append)
     assert called == [second]

@@ -71,7 +71,7 @@ class Client:
         """Ask, and wait for the answer while another thread spins."""
         self._check(request)
         future = self.call_async(request)
-        if not wait_until(present_task(), lambda: future.has_ended, timeout_sec):
+        if not wait_until(present_task(), lambda: future._done, timeout_sec):
             return None
         return future.result()
 
@@ -98,7 +98,7 @@ class Client:
         if future in self._pending:
             given = message_classes.from_wire(f"{self._type}_Response", response)
             self._impl.introspection.note("RESPONSE_RECEIVED", given)
-            future.set_executor(self.executor)
+            future._set_executor(self.executor)
             future.set_result(given)
 
     def get_pending_request(self, sequence_number: int) -> Future:
@@ -122,10 +122,10 @@ class Client:
         self._impl.check()
         self._impl.introspection.configure(clock, service_event_qos_profile, introspection_state)
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         return bool(self._answers)
 
-    def execute(self) -> None:
+    def _execute(self) -> None:
         self._answers.popleft()()
 
     def destroy(self) -> None:

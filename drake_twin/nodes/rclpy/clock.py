@@ -1,5 +1,6 @@
 """Stand-in for ``rclpy.clock``: all clocks show simulation time."""
 
+import typing
 from collections import deque
 from collections.abc import Callable
 from enum import IntEnum
@@ -26,6 +27,9 @@ class ClockChange(IntEnum):
     SYSTEM_TIME_NO_CHANGE = 4
 
 
+JumpHandlePreCallbackType = typing.Callable[[], None]
+
+
 class JumpThreshold:
     """How far a clock must jump for a callback."""
 
@@ -38,7 +42,7 @@ class JumpThreshold:
             raise ValueError("At least one jump threshold must be enabled")
         self.min_forward, self.min_backward, self.on_clock_change = min_forward, min_backward, on_clock_change
 
-    def is_exceeded(self, change: ClockChange, delta: int) -> bool:
+    def _is_exceeded(self, change: ClockChange, delta: int) -> bool:
         """Return whether a jump of some nanoseconds is so far, or a change of the source of time counts."""
         if change in (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED):
             return self.on_clock_change
@@ -98,12 +102,12 @@ class Jumps:
         """Add a jump of some nanoseconds."""
         self._waiting.append(delta)
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         return bool(self._waiting)
 
-    def execute(self) -> None:
+    def _execute(self) -> None:
         """Call back after a jump; ROS calls the first callback before it."""
-        self._clock.jump(ClockChange.ROS_TIME_NO_CHANGE, self._waiting.popleft())
+        self._clock._jump(ClockChange.ROS_TIME_NO_CHANGE, self._waiting.popleft())
 
     def destroy(self) -> None:
         self._waiting.clear()
@@ -134,12 +138,12 @@ class Clock:
         return self._clock_type
 
     @property
-    def nanoseconds(self) -> int:
+    def _nanoseconds(self) -> int:
         """The present time (ns)."""
         return present_task().now
 
     def now(self) -> Time:
-        return Time(nanoseconds=self.nanoseconds, clock_type=self._clock_type)
+        return Time(nanoseconds=self._nanoseconds, clock_type=self._clock_type)
 
     def sleep_until(self, until: Time, context: Any = None) -> bool:
         """Sleep until a time; return whether it has come."""
@@ -157,7 +161,7 @@ class Clock:
         context = context or default_context()
         if not context.is_valid:
             raise NotInitializedException
-        return self._sleep(self.nanoseconds + rel_time.nanoseconds, context)
+        return self._sleep(self._nanoseconds + rel_time.nanoseconds, context)
 
     def _sleep(self, until: int, context: Any) -> bool:
         task = present_task()
@@ -165,9 +169,9 @@ class Clock:
             task.wait(lambda: not context.is_valid, max(task.after, until))
         return bool(context.is_valid)
 
-    def jump(self, change: ClockChange, delta: int, act: Callable[[], None] = lambda: None) -> None:
+    def _jump(self, change: ClockChange, delta: int, act: Callable[[], None] = lambda: None) -> None:
         """Let something happen between the callbacks of a jump of some nanoseconds."""
-        handles = [handle for handle in self.jump_handles if handle.threshold.is_exceeded(change, delta)]
+        handles = [handle for handle in self.jump_handles if handle.threshold._is_exceeded(change, delta)]
         for handle in handles:
             if handle.pre_callback is not None:
                 handle.pre_callback()
@@ -205,29 +209,29 @@ class ROSClock(Clock):
         return self._is_active
 
     @property
-    def nanoseconds(self) -> int:
+    def _nanoseconds(self) -> int:
         """The present time (ns): what has been set, while that is active."""
         now = present_task().now
         return now if self._override is None or not self._is_active else self._override
 
-    def follow_twin(self) -> None:
+    def _follow_twin(self) -> None:
         """Show the twin's time as the active one."""
         self._is_active = True
 
     def _set_ros_time_is_active(self, enabled: bool) -> None:
         if enabled != self._is_active:
-            before, self._is_active = self.nanoseconds, enabled
-            delta, self._is_active = self.nanoseconds - before, not enabled
+            before, self._is_active = self._nanoseconds, enabled
+            delta, self._is_active = self._nanoseconds - before, not enabled
             change = ClockChange.ROS_TIME_ACTIVATED if enabled else ClockChange.ROS_TIME_DEACTIVATED
-            self.jump(change, delta, lambda: setattr(self, "_is_active", enabled))
+            self._jump(change, delta, lambda: setattr(self, "_is_active", enabled))
 
     def set_ros_time_override(self, time: Time) -> None:
         if not isinstance(time, Time):
             raise TypeError(f"Time must be specified as rclpy.time.Time. Received type: {type(time)}")
         if self._is_active:
-            delta = time.nanoseconds - self.nanoseconds
+            delta = time.nanoseconds - self._nanoseconds
             set_it = partial(setattr, self, "_override", time.nanoseconds)
-            self.jump(ClockChange.ROS_TIME_NO_CHANGE, delta, set_it)
+            self._jump(ClockChange.ROS_TIME_NO_CHANGE, delta, set_it)
         else:
             self._override = time.nanoseconds
 
@@ -239,4 +243,4 @@ class ROSClock(Clock):
             )
         elif until > (task := present_task()).now:
             task.wait(lambda: not context.is_valid or self._is_active != was_active, max(task.after, until))
-        return bool(context.is_valid) and self._is_active == was_active and self.nanoseconds >= until
+        return bool(context.is_valid) and self._is_active == was_active and self._nanoseconds >= until

@@ -6,7 +6,7 @@ from typing import Any
 
 from drake_twin.nodes.rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
 from drake_twin.nodes.rclpy.handle import Handle
-from drake_twin.nodes.rclpy.logging import get_logging_severity_from_string, set_logger_level
+from drake_twin.nodes.rclpy.impl.logging_levels import get_logging_severity_from_string, set_logger_level
 from drake_twin.nodes.task import here, present_task
 from drake_twin.ros2.ros_arguments import (
     RosArguments,

@@ -122,7 +122,7 @@ class Executor:
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Call back until a future is done, or for some simulation time (s)."""
         end = inf if timeout_sec is None or timeout_sec < 0 else present_task().now + round(timeout_sec * 1e9)
-        while self._context.ok() and not future.has_ended and not self._is_shutdown:
+        while self._context.ok() and not future._done and not self._is_shutdown:
             now = present_task().now
             if now >= end and timeout_sec:
                 return
@@ -210,9 +210,9 @@ class Executor:
         """Return whether anything can be done."""
         for node in nodes:
             for entity in node.handle.entities:
-                if entity.is_ready() and self.can_execute(entity):
+                if entity._is_ready() and self.can_execute(entity):
                     return True
-        return bool(self._tasks) and any(task.is_ready() for task in self._tasks)
+        return bool(self._tasks) and any(task._is_ready() for task in self._tasks)
 
     def _taken(self, nodes: Sequence[Any]) -> Any:
         """Return what is to be done next, a task or an entity; None without anything."""
@@ -220,12 +220,12 @@ class Executor:
             if begins:
                 self._has_done_tasks = not self._has_done_tasks
                 if not self._has_done_tasks:
-                    self._round += [entity for node in nodes for entity in node.handle.entities if entity.is_ready()]
+                    self._round += [entity for node in nodes for entity in node.handle.entities if entity._is_ready()]
                 elif self._tasks:
-                    self._round += [task for task in reversed(self._tasks) if task.is_ready()]
+                    self._round += [task for task in reversed(self._tasks) if task._is_ready()]
             while self._round:
                 work = self._round.popleft()
-                if work.is_ready() and (isinstance(work, Task) or self.can_execute(work)):
+                if work._is_ready() and (isinstance(work, Task) or self.can_execute(work)):
                     return work
         self._has_done_tasks = True  # after the wait that follows, entities are first
         return None
@@ -236,7 +236,7 @@ class Executor:
             for timer in node.handle.entities:
                 if not isinstance(timer, Timer):  # they are before all others
                     break
-                if (own := timer.due()) < due and timer.callback_group.can_execute(timer):
+                if (own := timer._due()) < due and timer.callback_group.can_execute(timer):
                     due = own
         return due
 
@@ -257,7 +257,7 @@ class Executor:
         """Do one thing of an entity that its group has let begin; return a coroutine if it has to be awaited."""
         group, work.executor = work.callback_group, self
         try:
-            found = work.execute()
+            found = work._execute()
         except BaseException:
             group.ending_execution(work)
             raise
@@ -270,9 +270,9 @@ class Executor:
         try:
             task()
         finally:
-            if task.has_ended and task in self._tasks:
+            if task._done and task in self._tasks:
                 self._tasks.remove(task)
-        if task.has_ended and (error := task.exception()) is not None:
+        if task._done and (error := task.exception()) is not None:
             raise error
 
 
@@ -283,7 +283,7 @@ class SingleThreadedExecutor(Executor):
         self._spin_once(timeout_sec)
 
     def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
-        self._spin_once(timeout_sec, lambda: future.has_ended)
+        self._spin_once(timeout_sec, lambda: future._done)
 
     def _spin_once(self, timeout: Any, is_over: Callable[[], bool] = lambda: False) -> None:
         try:
@@ -319,7 +319,7 @@ class MultiThreadedExecutor(Executor):
         self._spin_once(timeout_sec)
 
     def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
-        self._spin_once(timeout_sec, lambda: future.has_ended)
+        self._spin_once(timeout_sec, lambda: future._done)
 
     @property
     def _is_busy(self) -> bool:

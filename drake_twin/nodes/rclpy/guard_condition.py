@@ -20,13 +20,13 @@ class GuardCondition:
         self._handle.check()
         self._is_triggered = True
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         return self._is_triggered
 
     def _take(self) -> None:
         self._is_triggered = False
 
-    def execute(self) -> Any:
+    def _execute(self) -> Any:
         self._take()
         return self.callback()  # type: ignore[misc]  # as rclpy, which lets a guard without one fail here
 

@@ -6,7 +6,14 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from drake_twin.nodes.rclpy.impl.logging_call import Call
+from drake_twin.nodes.rclpy.impl.logging_filters import Call
+from drake_twin.nodes.rclpy.impl.logging_levels import get_logger_effective_level as get_logger_effective_level
+from drake_twin.nodes.rclpy.impl.logging_levels import get_logger_level as get_logger_level
+from drake_twin.nodes.rclpy.impl.logging_levels import (
+    get_logging_severity_from_string as get_logging_severity_from_string,
+)
+from drake_twin.nodes.rclpy.impl.logging_levels import levels
+from drake_twin.nodes.rclpy.impl.logging_levels import set_logger_level as set_logger_level
 from drake_twin.nodes.rclpy.impl.logging_severity import LoggingSeverity
 from drake_twin.nodes.task import Task, here
 from drake_twin.program import say
@@ -61,10 +68,10 @@ class RcutilsLogger:
         known = self._calls.setdefault(place, call)
         if known is not call:
             known.check(call)
+        if not known.is_due():
+            return False
         task = here()
         now = 0 if task is None else task.now
-        if not known.is_due(now):
-            return False
         if message is None:  # what C prints
             message = "(null)"
         if not isinstance(message, str):
@@ -134,46 +141,6 @@ def end_lines(name: str) -> None:
     published -= {item for item in published if item == name or item.startswith(f"{name}.")}
 
 
-def _levels() -> dict[str, LoggingSeverity]:
-    """Return the levels of the program's loggers, by their names; that of the root has none."""
-    task = here()
-    levels: dict[str, LoggingSeverity] = {} if task is None else task.program.rclpy.setdefault("log_levels", {})
-    return levels
-
-
-def set_logger_level(name: str, level: int, detailed_error: bool = False) -> None:
-    """Set the level of all loggers of a name, and of those below it that have none of their own."""
-    _levels()[name] = LoggingSeverity(level)
-
-
-def get_logger_effective_level(name: str) -> LoggingSeverity:
-    """Return the level of a logger, or of the first one above it that has one."""
-    if levels := _levels():
-        names = name.split(".") if name else []
-        for count in range(len(names), -1, -1):
-            level = levels.get(".".join(names[:count]))
-            if level or (level is not None and not count):
-                return level
-    return LoggingSeverity.INFO
-
-
-def get_logger_level(name: str) -> LoggingSeverity:
-    """Return the level that a logger has itself."""
-    return _levels().get(name, LoggingSeverity.UNSET)
-
-
-def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
-    """Return a level by its name.
-
-    Raises:
-        RuntimeError: If the name is unknown.
-    """
-    if log_severity.upper() not in LoggingSeverity.__members__:
-        levels = ", ".join(LoggingSeverity.__members__).lower()
-        raise RuntimeError(f"unknown log level {log_severity!r}. Valid: {levels}")
-    return LoggingSeverity[log_severity.upper()]
-
-
 def initialize() -> None:
     """Do nothing."""
 
@@ -184,7 +151,7 @@ def shutdown() -> None:
 
 def clear_config() -> None:
     """Forget the levels of the program's loggers."""
-    _levels().clear()
+    levels().clear()
 
 
 def get_logging_directory() -> Path:

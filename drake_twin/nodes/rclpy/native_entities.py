@@ -52,7 +52,7 @@ class Client(ClientHandle):
         )
         return number
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         """Return whether a response waits."""
         return bool(self._responses)
 
@@ -82,13 +82,13 @@ class Timer(WaitedHandle):
 
     def __init__(self, clock: Any, context: Any, period_nsec: int, autostart: bool = True):
         self._timer = CallingTimer(lambda: None, None, period_nsec, None, context=context, autostart=autostart)
-        super().__init__(self._timer.destroy, self._timer.is_ready)
+        super().__init__(self._timer.destroy, self._timer._is_ready)
         self._graph, self._period = present_task().program.rclpy["graph"], period_nsec
         self._wake_later()
 
     def call_timer(self) -> None:
         self.check()
-        self._timer.execute()
+        self._timer._execute()
         self._wake_later()
 
     def _wake_later(self) -> None:

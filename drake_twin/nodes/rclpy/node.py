@@ -81,7 +81,7 @@ class Node(NodeParameters, NodeGraph):
         if publishes_log:
             publish_lines(self._logger.name)
         self._clock = ROSClock()
-        self._clock.follow_twin()
+        self._clock._follow_twin()
         self.__jumps = Jumps(self._clock)
         self._rate_group = ReentrantCallbackGroup()
         self._default_callback_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
@@ -350,7 +350,7 @@ class Node(NodeParameters, NodeGraph):
     def __jump(self, by: int) -> None:
         self.__jumps.put(by)
         for timer in self._timers:
-            timer.jump()
+            timer._jump()
 
     def __added(self, item: _Item) -> _Item:
         item.callback_group.add_entity(item)  # type: ignore[attr-defined]
@@ -369,8 +369,9 @@ class Node(NodeParameters, NodeGraph):
             return False
         for handler in getattr(item, "event_handlers", ()):
             self.remove_waitable(handler)
-        with suppress(InvalidHandle):
-            item.destroy()
+        if hasattr(item, "destroy"):  # a waitable of a user's own may have nothing to end
+            with suppress(InvalidHandle):
+                item.destroy()
         return True
 
 

@@ -37,10 +37,10 @@ class ParameterService:
     def _put(self, name: str, request: Any, reply: Callable[[Any], None]) -> None:
         self._requests.append((name, request, reply))
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         return bool(self._requests)
 
-    def execute(self) -> None:
+    def _execute(self) -> None:
         name, request, reply = self._requests.popleft()
         kind, answer = _SERVICES[name]
         service = f"rcl_interfaces/srv/{kind}"

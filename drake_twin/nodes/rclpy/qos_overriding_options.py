@@ -1,5 +1,6 @@
 """Stand-in for ``rclpy.qos_overriding_options``: parameters that set the quality of service."""
 
+import typing
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -9,10 +10,17 @@ from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.exceptions import ParameterAlreadyDeclaredException
 from drake_twin.nodes.rclpy.qos_profiles import QoSPolicyEnum, QoSPolicyKind, QoSProfile
 
+QoSProfileAttributes = typing.Union[  # noqa: UP007  # as rclpy has it
+    policies.HistoryPolicy, int, policies.ReliabilityPolicy, policies.DurabilityPolicy, policies.LivelinessPolicy,
+    Duration, bool,
+]  # fmt: skip
+
 
 def __getattr__(name: str) -> Any:
     if name == "QosCallbackResult":  # what a callback returns
         return message_class("rcl_interfaces/msg/SetParametersResult")
+    if name == "QosCallbackType":
+        return typing.Callable[[QoSProfile], __getattr__("QosCallbackResult")]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -62,7 +62,7 @@ class ServiceHandle(Handle):
     def _put(self, request: Any, reply: Callable[[Any], None]) -> None:
         self.requests.append((request, RequestHeader(reply, self._task.now)))
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         """Return whether a request waits."""
         return bool(self.requests)
 
@@ -107,10 +107,10 @@ class Service:
         self._impl.check()
         return self._impl.name
 
-    def is_ready(self) -> bool:
-        return self._impl.is_ready()
+    def _is_ready(self) -> bool:
+        return self._impl._is_ready()
 
-    def execute(self) -> Any:
+    def _execute(self) -> Any:
         given, header = self._impl.service_take_request(self.srv_type.Request)
         if header is None:
             return None

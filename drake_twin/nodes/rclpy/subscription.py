@@ -56,7 +56,7 @@ class SubscriptionHandle(Handle):
         self.graph.subscribe(self.item)
         present_task().program.belongings.append(self.item)
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         """Return whether a message waits that has not expired."""
         messages = self.messages
         while messages and messages[0][2] < self.task.now:
@@ -66,7 +66,7 @@ class SubscriptionHandle(Handle):
     def take_message(self, pymsg_type: Any, raw: bool) -> tuple[Any, dict[str, int]] | None:
         """Return the next message, or its bytes, and its times (ns); None without one."""
         self.check()
-        if not self.is_ready():
+        if not self._is_ready():
             present_task().count_idle_call()
             return None
         message, time, _ = self.messages.popleft()
@@ -126,11 +126,11 @@ class Subscription:
         self._callback_type = _type_of(value)
         self._callback = value
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         messages = self._messages
-        return bool(messages) and (messages[0][2] >= self._task.now or self._impl.is_ready())
+        return bool(messages) and (messages[0][2] >= self._task.now or self._impl._is_ready())
 
-    def execute(self) -> Any:
+    def _execute(self) -> Any:
         message, time, _ = self._messages.popleft()
         given = self._impl.given(message, raw=self.raw)
         if self._callback_type is Subscription.CallbackType.WithMessageInfo:

@@ -92,14 +92,9 @@ class Future:
         self._callbacks = [item for item in self._callbacks if item != callback]
         return len(self._callbacks) < count
 
-    def set_executor(self, executor: Any) -> None:
+    def _set_executor(self, executor: Any) -> None:
         """Let an executor call back when it is done."""
         self._executor = executor
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether it is done, without counting the call."""
-        return self._done
 
     def _finish(self) -> None:
         self._done, self._cancelled = True, False
@@ -132,15 +127,15 @@ class Task(Future):
             self._handler = handler(*self._args, **self._kwargs)
         self._executing = False
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         """Return whether it can continue."""
-        return not self._executing and not self.has_ended and (self._awaited is None or self._awaited.has_ended)
+        return not self._executing and not self._done and (self._awaited is None or self._awaited._done)
 
     def executing(self) -> bool:
         return self._executing
 
     def __call__(self) -> None:
-        if self.has_ended or self._executing:
+        if self._done or self._executing:
             return
         self._executing = True
         try:

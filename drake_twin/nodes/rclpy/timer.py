@@ -36,7 +36,7 @@ class Timer:
         self._last = self._task.now
         self._next = self._later(self._last + self._period)
         self._is_canceled = not autostart
-        self._handle = WaitedHandle(lambda: setattr(self, "_is_canceled", True), self.is_ready)
+        self._handle = WaitedHandle(lambda: setattr(self, "_is_canceled", True), self._is_ready)
 
     handle = property(lambda self: self._handle)
     clock = property(lambda self: self._clock)
@@ -53,12 +53,16 @@ class Timer:
         self._next = self._later(self._last + self._period)
 
     def is_ready(self) -> bool:
+        self._handle.check()
+        return self._is_ready()
+
+    def _is_ready(self) -> bool:
         return not self._is_canceled and self._next <= self._task.limit
 
-    def due(self) -> float:
+    def _due(self) -> float:
         return inf if self._is_canceled else self._next
 
-    def execute(self) -> Any:
+    def _execute(self) -> Any:
         now = self._task.now
         self._last = now
         self._next += self._period
@@ -76,7 +80,7 @@ class Timer:
         self._is_canceled = False
         self._next = self._later(present_task().now + self._period)
 
-    def jump(self) -> None:
+    def _jump(self) -> None:
         """Follow a jump of time back: it counts from there."""
         self._last = self._task.now
         self._next = self._later(self._last + self._period)

@@ -14,9 +14,9 @@ def wait_for_message(
     future = Future()
     subscription = node.create_subscription(msg_type, topic, future.set_result, qos_profile)
     try:
-        if not wait_until(present_task(), subscription.is_ready, None if time_to_wait < 0 else time_to_wait):
+        if not wait_until(present_task(), subscription._is_ready, None if time_to_wait < 0 else time_to_wait):
             return False, None
-        subscription.execute()
+        subscription._execute()
         return True, future.result()
     finally:
         node.destroy_subscription(subscription)

@@ -3,9 +3,11 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.nodes.rclpy.handle import Handle
+
+WaitableEntityType = TypeVar("WaitableEntityType")
 
 
 class NumberOfEntities:
@@ -51,7 +53,7 @@ class WaitedHandle(Handle):
 
     def __init__(self, end: Callable[[], Any], is_ready: Callable[[], bool], take: Callable[[], Any] = lambda: None):
         super().__init__(end)
-        self.is_ready, self.take = is_ready, take
+        self._is_ready, self.take = is_ready, take
 
 
 class WaitSet:
@@ -84,12 +86,12 @@ class WaitSet:
         handles = self._handles.get(kind, [])
         if index >= len(handles):
             raise IndexError("wait set index too big")
-        return bool(handles[index].is_ready())
+        return bool(handles[index]._is_ready())
 
     def take(self) -> None:
         """Let what is ready, and says so but once, be ready no longer."""
         for handle in self._handles.get("guard_condition", ()):
-            if handle.is_ready():
+            if handle._is_ready():
                 handle.take()
 
 
@@ -112,9 +114,6 @@ class Waitable:
 
     def remove_future(self, future: Any) -> None:
         self._futures.remove(future)
-
-    def destroy(self) -> None:
-        """Do nothing when its node is destroyed: it is a user's own."""
 
     def is_ready(self, wait_set: Any) -> bool:
         raise NotImplementedError("Must be implemented by subclass")
@@ -143,7 +142,7 @@ class GraphWaitable(Waitable):
         super().__init__(callback_group)
         self._events: deque[Callable[[], Any]] = deque()
 
-    def put(self, event: Callable[[], Any]) -> None:
+    def _post(self, event: Callable[[], Any]) -> None:
         """Let something happen at the next spin."""
         self._events.append(event)
 
@@ -177,11 +176,11 @@ class Waiting:
         self.callback_group = waitable.callback_group
         self._wait_set = WaitSet()
 
-    def is_ready(self) -> bool:
+    def _is_ready(self) -> bool:
         self._wait_set = WaitSet()
         self.waitable.add_to_wait_set(self._wait_set)
         return bool(self.waitable.is_ready(self._wait_set))
 
-    def execute(self) -> Any:
+    def _execute(self) -> Any:
         self._wait_set.take()
         return self.waitable.execute(self.waitable.take_data())

@@ -1,6 +1,5 @@
 """``ament_index_python.packages`` for launch files: packages of the twin's index."""
 
-import os
 import sys
 from pathlib import Path
 
@@ -35,29 +34,6 @@ def get_packages_with_prefixes() -> dict[str, str]:
     context = current_context()
     names = context.packages.known_names()
     return {name: str(context.packages.prefix(name, context.current_launch_file)) for name in names}
-
-
-def get_search_paths() -> list[str]:
-    """Return the prefixes of installed workspaces."""
-    return [path for path in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if path]
-
-
-def get_resource(resource_type: str, resource_name: str, prefix: str | None = None) -> tuple[str, str]:
-    """Return a package's entry in the index, whose content is empty, and its prefix."""
-    return "", get_package_prefix(resource_name)
-
-
-def has_resource(resource_type: str, resource_name: str) -> str | bool:
-    """Return the prefix of a package, or false."""
-    context = current_context()
-    if context.packages.present(resource_name, context.current_launch_file) is None:
-        return False
-    return get_package_prefix(resource_name)
-
-
-def get_resources(resource_type: str) -> dict[str, str]:
-    """Return what `get_packages_with_prefixes` does."""
-    return get_packages_with_prefixes()
 
 
 def _share(package: str) -> Path:

@@ -72,17 +72,17 @@ class _Goal:
         self._handle: ClientGoalHandle | None = None
 
     def answered(self, is_accepted: bool, stamp: Any = None) -> None:
-        self._client.put(partial(self._answered, is_accepted, stamp))
+        self._client._post(partial(self._answered, is_accepted, stamp))
 
     def heard(self, feedback: Any) -> None:
         if self._feedback is not None:
-            self._client.put(partial(self._heard, feedback))
+            self._client._post(partial(self._heard, feedback))
 
     def moved(self, status: int) -> None:
-        self._client.put(partial(self._moved, status))
+        self._client._post(partial(self._moved, status))
 
     def ended(self, status: int, result: Any) -> None:
-        self._client.put(partial(self._ended, status, result))
+        self._client._post(partial(self._ended, status, result))
 
     def _answered(self, is_accepted: bool, stamp: Any) -> None:
         if stamp is None:
@@ -163,7 +163,7 @@ class ActionClient(GraphWaitable):
                 goal_handle._status = CANCELING
             future.set_result(message_classes.from_wire("action_msgs/srv/CancelGoal_Response", response))
 
-        self._actions.cancel(self._outside, key, lambda response: self.put(partial(finish, response)))
+        self._actions.cancel(self._outside, key, lambda response: self._post(partial(finish, response)))
         return future
 
     def _get_result_async(self, goal_handle: ClientGoalHandle) -> Future:
@@ -178,12 +178,12 @@ class ActionClient(GraphWaitable):
         def finish(response: Any) -> None:
             future.set_result(message_classes.from_wire(f"{self._type}_GetResult_Response", response))
 
-        self._outside.put_result(key, lambda response: self.put(partial(finish, response)))
+        self._outside.put_result(key, lambda response: self._post(partial(finish, response)))
         return future
 
     def _waited(self, future: Future) -> Any:
         """Wait for a future while another thread spins; return its result."""
-        wait_until(present_task(), lambda: future.has_ended, None)
+        wait_until(present_task(), lambda: future._done, None)
         return future.result()
 
     def server_is_ready(self) -> bool:

@@ -2,4 +2,6 @@
 
 from drake_twin.nodes.rclpy import _rclpy_pybind11 as rclpy_implementation
 
-__all__ = ["rclpy_implementation"]
+__all__ = ["package", "rclpy_implementation"]
+
+package = "rclpy"

@@ -1,0 +1,1 @@
+"""Stand-in for ``rosidl_parser``, of which programs use `definition.NamespacedType`."""
