@@ -18,7 +18,7 @@ _FRAME = 1 / 30  # s
 def show(twin: Twin, *, port: int | None = None, open_browser: bool = False) -> "TwinPage":
     """Serve a page that shows and steers a twin, and print its address; in a notebook's cell, show it there.
 
-    The page listens on 127.0.0.1 only, and its address holds a token. It processes requests and draws:
+    The page listens on 127.0.0.1 only, and its address holds a key. It processes requests and draws:
 
     - in each frame of `Twin.run`;
     - while the program calls `Twin.advance_to` or `Twin.step`, where a pause on the page holds the program until the
@@ -77,7 +77,7 @@ class TwinPage(Owned, path="page"):
     @property
     @any_thread
     def url(self) -> str:
-        """The page's address, including its token."""
+        """The address that opens the page, with the program's key."""
         return self._page.url
 
     @property

@@ -11,8 +11,7 @@ import numpy as np
 import umsgpack
 from pydrake.math import RotationMatrix
 
-from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
-from drake_twin.cockpit.server import meshcat_script
+from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene, meshcat_script
 from drake_twin.shared_viewer.shared_scene import SharedScene
 from drake_twin.twin.twin import Twin
 from drake_twin.versions import stamp

@@ -6,6 +6,7 @@ So the page draws with Meshcat's JavaScript and receives these commands over its
 
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import umsgpack
@@ -189,3 +190,10 @@ class Scene:
 
 def _property_of(content: bytes) -> bytes:
     return str(umsgpack.unpackb(content)["property"]).encode()
+
+
+def meshcat_script() -> bytes:
+    """Return Drake's copy of Meshcat's JavaScript."""
+    from pydrake.common import FindResourceOrThrow
+
+    return Path(FindResourceOrThrow("drake/geometry/meshcat.js")).read_bytes()

@@ -3,11 +3,11 @@
 import atexit
 import os
 import sys
-from dataclasses import replace
 
-from drake_twin.cockpit.access import Access, door, kept_token
+from drake_twin.cockpit.access import Access, door
 from drake_twin.cockpit.cockpit import Cockpit
 from drake_twin.cockpit.listening import bind
+from drake_twin.cockpit.page_tokens import PageTokens
 from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.server import PageServer
@@ -35,13 +35,14 @@ class ServedPage:
     def __init__(self, port: int | None = None, host: str = "127.0.0.1", *, in_frames: bool = False):
         listening = bind(port, host)
         self.scene = Scene()
-        access = _access(host, listening.getsockname()[1])
-        self.server = PageServer(listening, host, self.scene, access, in_frames=in_frames)
+        access = Access(host, listening.getsockname()[1])
+        tokens = PageTokens(cache_folder("page") / f"pages-{access.port}" if access.is_local else None)
+        self.server = PageServer(listening, host, self.scene, access, tokens, in_frames=in_frames)
         self._cockpit: Cockpit | None = None
 
     @property
     def url(self) -> str:
-        """The page's address, including its token."""
+        """The address that opens a page, with the program's key."""
         return self.server.url
 
     def announce(self, *, open_browser: bool) -> None:
@@ -85,9 +86,3 @@ class ServedPage:
         if self._cockpit is not None:
             self._cockpit.close()
         self.server.close()
-
-
-def _access(host: str, port: int) -> Access:
-    """Return the page's access; the token is the one of the last program on the port, unless others can reach it."""
-    access = Access(host, port)
-    return replace(access, token=kept_token(cache_folder("page"), port)) if access.is_local else access

@@ -11,15 +11,16 @@ import socket
 import threading
 from collections.abc import Callable, Collection, Mapping
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 from aiohttp import WSMsgType, web
 from aiohttp.typedefs import Handler
 
 from drake_twin.cockpit.access import Access
+from drake_twin.cockpit.bounded_connections import BoundedConnections
+from drake_twin.cockpit.page_tokens import PageTokens
 from drake_twin.cockpit.protocol import EmergencyStop, Gone, Request, parse
-from drake_twin.cockpit.scene import Commands, Scene
+from drake_twin.cockpit.scene import Commands, Scene, meshcat_script
 from drake_twin.shared_viewer.meshcat_protocol import Command
 
 _LONGEST_MESSAGE = 1 << 16  # bytes
@@ -27,6 +28,7 @@ _MOST_PENDING = 1000  # requests
 _MOST_CLIENTS = 500  # web sockets of pages, and as many of their scenes
 _HEARTBEAT = 20.0  # s
 _ALIVE = 0.5  # s between two messages that the server is alive
+_ENTRY = {"/": "entry.html", "/entry.js": "entry.js"}  # what needs no token, and its files
 _LONGEST_NAME = 100  # of a static file
 _STATIC_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
 _HEADERS = {
@@ -57,11 +59,13 @@ class PageServer:
         listening: The socket, see `drake_twin.cockpit.listening.bind`.
         host: The address that it listens on.
         scene: The scene to draw.
-        access: What requests must carry; by default a new token.
+        access: What requests must carry; by default with a new key.
+        tokens: The tokens of the pages that it knows; by default none.
         in_frames: Whether pages of other servers on this machine may show the page in an iframe.
 
     Attributes:
         access: What requests must carry.
+        tokens: The tokens of its pages.
     """
 
     def __init__(
@@ -70,10 +74,12 @@ class PageServer:
         host: str,
         scene: Scene,
         access: Access | None = None,
+        tokens: PageTokens | None = None,
         *,
         in_frames: bool = False,
     ):
         self.access = access or Access(host, listening.getsockname()[1])
+        self.tokens = PageTokens() if tokens is None else tokens
         self._in_frames = in_frames
         self._scene = scene
         self._socket = listening
@@ -99,7 +105,7 @@ class PageServer:
 
     @property
     def url(self) -> str:
-        """The page's address, including the token."""
+        """The address that opens a page, with the key."""
         return self.access.url
 
     @property
@@ -148,10 +154,12 @@ class PageServer:
             self._loop.close()
 
     async def _serve(self) -> None:
-        application = web.Application(middlewares=[self._guard])
+        application = web.Application(middlewares=[self._guard], client_max_size=_LONGEST_MESSAGE)
         application.add_routes(
             [
-                web.get("/{token}", self._to_index),
+                web.get("/", self._entry),
+                web.post("/", self._new_page),
+                web.get("/entry.js", self._entry),
                 web.get("/{token}/", self._index),
                 web.get("/{token}/socket", self._web_socket),
                 web.get("/{token}/scene/", self._scene_page),
@@ -163,10 +171,13 @@ class PageServer:
         )
         runner = web.AppRunner(application, access_log=None, handle_signals=False, shutdown_timeout=0.5)
         await runner.setup()
-        await web.SockSite(runner, self._socket).start()
+        assert runner.server is not None
+        self._connections = BoundedConnections(runner.server)
+        listening = await self._loop.create_server(self._connections, sock=self._socket)
         alive = asyncio.ensure_future(self._report_alive())
         await self._ended.wait()
         alive.cancel()
+        listening.close()
         sockets = [client.socket for client in self._clients.values()] + [viewer.socket for viewer in self._viewers]
         for web_socket in sockets:
             await web_socket.close()
@@ -174,18 +185,29 @@ class PageServer:
 
     @web.middleware
     async def _guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
+        token = request.path.removeprefix("/").partition("/")[0]
         refusal = self.access.refusal(
             request.headers.get("Host"),
             request.headers.get("Origin"),
-            request.path,
-            needs_origin=request.path.endswith("/socket"),
+            needs_origin=request.method == "POST" or request.path.endswith("/socket"),
         )
+        if refusal is None and request.path not in _ENTRY and token not in self.tokens:
+            refusal = "the address has no token of an open page: use the address that the program printed"
         if refusal is not None:
             return web.Response(status=403, text=f"refused: {refusal}\n", headers=_HEADERS)
+        if request.path not in _ENTRY:
+            self._connections.accept(request)
         return await handler(request)
 
-    async def _to_index(self, _request: web.Request) -> web.Response:
-        raise web.HTTPFound(f"/{self.access.token}/")
+    async def _entry(self, request: web.Request) -> web.Response:
+        """Return the page that exchanges the key for a token."""
+        return self._static_response(_ENTRY[request.path], request, _PAGE_POLICY, _ANCESTORS)
+
+    async def _new_page(self, request: web.Request) -> web.Response:
+        """Return the token of a new page, if the request has the key."""
+        if not self.access.is_key(await request.read()):
+            return web.Response(status=403, text="refused: the key is not that of this program\n", headers=_HEADERS)
+        return web.Response(text=self.tokens.new(), headers=_HEADERS)
 
     async def _index(self, request: web.Request) -> web.Response:
         return self._static_response("index.html", request, _PAGE_POLICY, _ANCESTORS)
@@ -238,8 +260,9 @@ class PageServer:
         self._viewers.add(viewer)
         sender = asyncio.ensure_future(viewer.send())
         try:
-            async for _ in web_socket:
-                pass
+            with self.tokens.connected(request.match_info["token"]):
+                async for _ in web_socket:
+                    pass
         finally:
             self._viewers.discard(viewer)
             sender.cancel()
@@ -268,10 +291,11 @@ class PageServer:
         self._clients[number] = client
         sender = asyncio.ensure_future(client.send())
         try:
-            async for message in web_socket:
-                understood = parse(message.data) if message.type == WSMsgType.TEXT else None
-                if understood is not None:
-                    self._enqueue(number, understood)
+            with self.tokens.connected(request.match_info["token"]):
+                async for message in web_socket:
+                    understood = parse(message.data) if message.type == WSMsgType.TEXT else None
+                    if understood is not None:
+                        self._enqueue(number, understood)
         finally:
             del self._clients[number]
             sender.cancel()
@@ -291,6 +315,7 @@ class PageServer:
         """Send repeatedly how long ago the twin's thread has published (s)."""
         while True:
             await asyncio.sleep(_ALIVE)
+            self._connections.close_strangers()
             for client in self._clients.values():
                 client.add({"alive": f"{self._loop.time() - self._published:.1f}"})
 
@@ -367,10 +392,3 @@ class _Viewer:
                 await self.socket.send_bytes(pending.packed())
             except ConnectionError:
                 return
-
-
-def meshcat_script() -> bytes:
-    """Return Drake's copy of Meshcat's JavaScript."""
-    from pydrake.common import FindResourceOrThrow
-
-    return Path(FindResourceOrThrow("drake/geometry/meshcat.js")).read_bytes()

@@ -55,7 +55,8 @@ def test_a_crowd_changes_nothing_in_the_twin(served):
     alone.advance_to(1.0)
     twin = rovers(2).command(commands, [2.0, 2.0, 2.0, 2.0]).build()
     cockpit = served.show(twin)
-    crowd = subprocess.Popen([sys.executable, "-c", CROWD, served.url, str(MANY)], stdout=subprocess.PIPE, text=True)
+    url = f"http://127.0.0.1:{served.server.access.port}/{served.server.tokens.new()}/"
+    crowd = subprocess.Popen([sys.executable, "-c", CROWD, url, str(MANY)], stdout=subprocess.PIPE, text=True)
     try:
         assert crowd.stdout.readline() == "there\n"
         frames = 0

@@ -38,7 +38,7 @@ def test_a_twin_that_is_only_displayed_stands_still(served):
     assert twin.clock.paused
 
 
-def test_the_browsers_command_line_has_no_token(served, monkeypatch, tmp_path, capsys):
+def test_the_browsers_command_line_has_no_key(served, monkeypatch, tmp_path, capsys):
     opened = []
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -48,7 +48,7 @@ def test_the_browsers_command_line_has_no_token(served, monkeypatch, tmp_path, c
     served.announce(open_browser=True)
     (address,) = opened
     file = Path(url2pathname(address.removeprefix("file://")))
-    assert served.server.access.token not in address
+    assert served.server.access.key not in address
     assert file.stat().st_mode & 0o777 == 0o600
     assert f"url={served.url}" in file.read_text()
     assert capsys.readouterr().out == 2 * f"page: {served.url}\n"

@@ -38,7 +38,12 @@ def get(server, path, **headers):
 
 
 def at(server, path=""):
-    return f"/{server.access.token}/{path}"
+    return f"/{server.tokens.new()}/{path}"
+
+
+def page_of(server):
+    """The address of a new page."""
+    return f"http://127.0.0.1:{server.access.port}{at(server)}"
 
 
 def talk(server, conversation, **headers):
@@ -46,7 +51,10 @@ def talk(server, conversation, **headers):
     headers = {"Origin": f"http://127.0.0.1:{server.access.port}"} | headers
 
     async def run():
-        async with ClientSession() as session, session.ws_connect(f"{server.url}socket", headers=headers) as web_socket:
+        async with (
+            ClientSession() as session,
+            session.ws_connect(page_of(server) + "socket", headers=headers) as web_socket,
+        ):
             return await conversation(web_socket)
 
     return asyncio.run(run())
@@ -96,12 +104,92 @@ def test_nothing_else_is_served(server, name):
     assert get(server, at(server, name))[0] == 404
 
 
-@pytest.mark.parametrize("path", ["/", "/page.js", "/wrong/", "/wrong/page.js", "/wrong/socket", "/wrong/scene/"])
+@pytest.mark.parametrize(
+    "path", ["/page.js", "/index.html", "//", "/wrong/", "/wrong/page.js", "/wrong/socket", "/wrong/scene/"]
+)
 def test_without_the_token_everything_is_refused(server, path):
     status, text = get(server, path)
     assert status == 403
     assert "refused: " in text
-    assert server.access.token not in text
+    assert server.access.key not in text
+
+
+def post(server, body, **headers):
+    """Status and text of the answer to a key."""
+    request = urllib.request.Request(f"http://127.0.0.1:{server.access.port}/", body, headers)
+    try:
+        with urllib.request.urlopen(request) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+
+
+def test_for_the_key_there_is_a_token_of_each_page(server):
+    own = {"Origin": f"http://127.0.0.1:{server.access.port}"}
+    pages = [post(server, server.access.key.encode(), **own) for _ in range(2)]
+    assert [status for status, _ in pages] == [200, 200]
+    assert pages[0] != pages[1]
+    for _, token in pages:
+        assert get(server, f"/{token}/")[0] == 200
+    assert get(server, "/")[0] == get(server, "/entry.js")[0] == 200
+
+
+@pytest.mark.parametrize("body", [b"", b"wrong", b"\xff\xfe", b"x" * 60_000])
+def test_for_anything_else_there_is_none(server, body):
+    status, text = post(server, body, Origin=f"http://127.0.0.1:{server.access.port}")
+    assert (status, text) == (403, "refused: the key is not that of this program\n")
+    assert not server.tokens._pages
+
+
+@pytest.mark.parametrize(
+    "headers", [{}, {"Origin": "null"}, {"Origin": "http://127.0.0.1:1"}, {"Host": "evil.example"}]
+)
+def test_the_key_counts_only_on_the_page_itself(server, headers):
+    assert post(server, server.access.key.encode(), **headers)[0] == 403
+    assert not server.tokens._pages
+
+
+def test_a_long_text_is_not_read(server):
+    assert post(server, b"x" * 1_000_000, Origin=f"http://127.0.0.1:{server.access.port}")[0] == 413
+
+
+def connected(server):
+    return socket.create_connection(("127.0.0.1", server.access.port), timeout=20)
+
+
+def is_closed(client):
+    try:
+        return client.recv(1) == b""
+    except ConnectionError:
+        return True
+
+
+def test_connections_that_say_nothing_are_closed_and_those_of_pages_are_not(server, monkeypatch):
+    monkeypatch.setattr("drake_twin.cockpit.bounded_connections.PATIENCE", 0.0)
+
+    async def stay(web_socket):
+        with connected(server) as silent, connected(server) as half:
+            half.sendall(b"GET / HTTP/1.1\r\nHost: ")
+            await asyncio.to_thread(lambda: [is_closed(silent), is_closed(half)])
+        await web_socket.send_str('{"do": "Pause"}')
+
+    talk(server, stay)
+    assert requests_until(server, lambda taken: len(taken) >= 2) == [protocol.Pause(), protocol.Gone()]
+
+
+def test_of_too_many_connections_new_ones_are_closed_and_a_page_stays(server):
+    assert get(server, "/")[0] == 200  # it has started
+    server._connections._most = 5
+
+    async def stay(web_socket):
+        strangers = [connected(server) for _ in range(5)]
+        assert await asyncio.to_thread(is_closed, strangers[-1])
+        await web_socket.send_str('{"do": "Pause"}')
+        for stranger in strangers:
+            stranger.close()
+
+    talk(server, stay)
+    assert requests_until(server, lambda taken: len(taken) >= 2) == [protocol.Pause(), protocol.Gone()]
 
 
 def test_a_wrong_host_is_refused(server):
@@ -129,7 +217,7 @@ def test_a_browser_is_sent_the_scene_and_what_changes_in_it():
         headers = {"Origin": f"http://127.0.0.1:{server.access.port}"}
         async with (
             ClientSession() as session,
-            session.ws_connect(f"{server.url}scene/socket", headers=headers) as web_socket,
+            session.ws_connect(page_of(server) + "scene/socket", headers=headers) as web_socket,
         ):
             heard = (await web_socket.receive(10.0)).data
             while b"first" not in heard:
@@ -146,9 +234,10 @@ def test_a_browser_is_sent_the_scene_and_what_changes_in_it():
 
 
 def test_no_page_may_put_this_one_into_a_frame(server):
-    with urllib.request.urlopen(server.url) as answer:
-        assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
-        assert answer.headers["Referrer-Policy"] == "no-referrer"
+    for url in (server.url, page_of(server)):
+        with urllib.request.urlopen(url) as answer:
+            assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+            assert answer.headers["Referrer-Policy"] == "no-referrer"
 
 
 def test_a_thousand_malformed_messages_do_nothing(server):

@@ -1,11 +1,11 @@
 """What docs/trust.md says of who can reach a twin: another user, another machine, a page of another site."""
 
 import os
-import re
 import socket
 import subprocess
 import sys
 import threading
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -67,7 +67,10 @@ def twin(tmp_path_factory):
     )
     try:
         line = next(line for line in process.stdout if line.startswith("page: "))
-        yield [*ports.values()], re.search(r":\d+(/\S+)", line)[1], cache, process.pid
+        address, _, key = line.removeprefix("page: ").strip().partition("#")
+        opening = urllib.request.Request(address, key.encode(), {"Origin": address.rstrip("/")})
+        with urllib.request.urlopen(opening) as answer:
+            yield [*ports.values()], f"/{answer.read().decode()}/", cache, process.pid, key
     finally:
         process.terminate()
         process.communicate(timeout=60)
@@ -82,18 +85,22 @@ def strangers_answers(places, *prefix, user=NOBODY):
     return result.stdout.splitlines()
 
 
-def test_another_user_does_not_find_the_page_and_learns_its_token_nowhere(twin):
-    (port, *_), path, cache, pid = twin
+def test_another_user_does_not_find_the_page_and_learns_its_secrets_nowhere(twin):
+    (port, *_), path, cache, pid, key = twin
     opened = until(lambda: (cache / "opened").exists() and (cache / "opened").read_text())  # its command line
     token = path.strip("/")
     assert opened.startswith("file://")
-    assert token not in opened
-    assert token not in Path(f"/proc/{pid}/cmdline").read_text()
+    for secret in (token, key):
+        assert secret not in opened
+        assert secret not in Path(f"/proc/{pid}/cmdline").read_text()
     page = cache / "drake_twin" / "page"
     assert {file.stat().st_mode & 0o777 for file in page.iterdir()} == {0o600}
     own = f"http://localhost:{port}"
     answers = strangers_answers(
-        [("127.0.0.1", port, place, own) for place in ("/", "/socket", "/x/socket", "/scene/socket", f"/{token[:-1]}/")]
+        [
+            ("127.0.0.1", port, place, own)
+            for place in ("/page.js", "/socket", "/x/socket", "/scene/socket", f"/{token[:-1]}/")
+        ]
     )
     assert answers == ["HTTP/1.1 403 Forbidden"] * 5
 
