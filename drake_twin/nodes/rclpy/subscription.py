@@ -73,12 +73,13 @@ class SubscriptionHandle(Handle):
         return self.given(message, raw=raw), {"source_timestamp": time, "received_timestamp": self.task.now}
 
     def given(self, message: Any, *, raw: bool) -> Any:
-        """Return a message as a callback gets it, or its bytes."""
+        """Return a message as a callback gets it, or its bytes, which DDS pads to four of them."""
         if not raw:
             return message_classes.from_wire(self.item.type, message)
         from drake_twin.messages.interface_types import serialize
 
-        return serialize(message)
+        data = serialize(message)
+        return data + bytes(-len(data) % 4)
 
 
 class Subscription:
