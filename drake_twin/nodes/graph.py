@@ -128,8 +128,6 @@ class Graph:
     def advertise(self, publication: Publication) -> None:
         """Add a topic that a node publishes."""
         self.publications.setdefault(publication.topic, []).append(publication)
-        if publication.profile is not None:
-            self.quality.asserted(publication)
         self._tie(publication)
         for reception in self.receptions.get(publication.topic, ()):
             self.quality.pair(publication, reception)

@@ -36,6 +36,7 @@ class SubscriptionHandle(Handle):
 
     def __init__(self, node: NodeHandle, msg_type: Any, topic: str, profile: QoSProfile):
         super().__init__(lambda: node.graph.withdraw(self.item), topic, node.logger_name)
+        self.add_waitable = node.add_waitable
         self.messages: deque[tuple[Any, int, float]] = deque(maxlen=queue_size(profile))
         self.task: Task = present_task()
         latched = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.BEST_AVAILABLE)

@@ -1,4 +1,4 @@
-"""When a publisher that asserts itself is lost: as recorded of rclpy 7.1 with rmw_cyclonedds_cpp, to 0.1 s."""
+"""What publishers and subscriptions are told of their quality of service, as recorded of rclpy 7.1 with CycloneDDS."""
 
 import pytest
 from node_runs import lines, running, script
@@ -58,8 +58,36 @@ rclpy.spin(node)
         ),
     ],
 )
-def test_the_lease_begins_with_the_publisher(joins, publishes, told, tmp_path, capsys):
+def test_the_lease_of_one_that_asserts_itself_begins_with_the_publisher(joins, publishes, told, tmp_path, capsys):
     file = script(tmp_path, "alive.py", TEXT.format(joins=joins, publishes=publishes))
     with running(file) as twin:
         twin.advance_to(1.3)
     assert sorted(lines(capsys)) == sorted(told)
+
+
+def test_the_warning_of_settings_that_do_not_fit_is_a_spin(tmp_path, capfd):
+    """As talker_qos of demo_nodes_py: of four spins one warns, so that three messages are published."""
+    text = """
+import rclpy
+from rclpy.qos import QoSProfile, QoSReliabilityPolicy
+from std_msgs.msg import String
+
+rclpy.init()
+node, other = rclpy.create_node("talker"), rclpy.create_node("listener")
+publisher = node.create_publisher(String, "t", QoSProfile(depth=1, reliability=QoSReliabilityPolicy.BEST_EFFORT))
+node.create_timer(0.1, lambda: print("published"))
+print(len(publisher.event_handlers))
+count = len(list(node.waitables))
+subscription = other.create_subscription(String, "t", print, 10)
+for _ in range(4):
+    rclpy.spin_once(node)
+print(len(publisher.event_handlers))
+node.destroy_publisher(publisher)
+print(len(list(node.waitables)) - count)
+"""
+    with running(script(tmp_path, "talker.py", text)) as twin:
+        twin.advance_to(1.0)
+    said = capfd.readouterr()
+    assert said.out.split() == ["0", "published", "published", "published", "1", "0"]
+    assert "[talker]: New subscription discovered on topic 't', requesting incompatible QoS" in said.err
+    assert "[listener]" not in said.err  # it does not spin
