@@ -12,6 +12,7 @@ from types import CodeType, FrameType, ModuleType, TracebackType
 from typing import Any, Protocol
 
 from drake_twin.description.python_programs import PythonProgram
+from drake_twin.description.source_file import file_bytes
 from drake_twin.nodes.child_processes import ChildProcesses
 from drake_twin.nodes.missing_modules import remedy
 from drake_twin.nodes.stand_ins import ROOTS, forget_members
@@ -243,7 +244,7 @@ class Program:
         sys.modules["__main__"] = main
         self.modules["__main__"] = main
         if not found.module:
-            source = found.file.read_bytes()
+            source = file_bytes(found.file)
             exec(compile(source, str(found.file), "exec"), main.__dict__)
             return
         # Not by an import, whose lock another program of this name would wait for if the module itself spins.
