@@ -45,7 +45,7 @@ from drake_twin.from_launch.launched_robots import (
     parameter_file,
 )
 from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world, world_start
-from drake_twin.from_launch.not_started import is_window, misspelt_package, never_happened, why_not_started
+from drake_twin.from_launch.not_started import calls_spawn, is_window, misspelt_package, never_happened, why_not_started
 from drake_twin.from_launch.published_frames import frame_prefix, publish_frequency
 from drake_twin.from_launch.static_frames import static_frame
 from drake_twin.ros2.launched import (
@@ -235,7 +235,8 @@ class _Sorter:
         if kind is Kind.WINDOW:
             finding = Finding.at(kind, what, process.place, weight=Weight.LOOKS, cause=Cause.WINDOW)
         else:
-            finding = Finding.at(kind, what, process.place, common=what.removeprefix(process.what))
+            weight = Weight.LOST if calls_spawn(process) else Weight.MOVES
+            finding = Finding.at(kind, what, process.place, weight=weight, common=what.removeprefix(process.what))
         self._findings.append(finding)
 
     def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:

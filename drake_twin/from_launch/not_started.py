@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.from_launch.launched_controllers import words_of
 from drake_twin.ros2.launched import Launched, LaunchedProcess, UnfiredHandler
 
 # A word of "package/executable" → the reason; the first match applies.
@@ -83,6 +84,13 @@ def misspelt_package(process: LaunchedProcess) -> str | None:
 def is_window(process: LaunchedProcess) -> bool:
     """Return whether an executable only displays something, as the page does."""
     return _reason(_WINDOWS, process.what) is not None
+
+
+def calls_spawn(process: LaunchedProcess) -> bool:
+    """Return whether a process calls a service that spawns: ``ros2 service call NAME PACKAGE/srv/SpawnEntity …``."""
+    words = words_of(process)
+    spawns = re.compile(r"\w+/srv/Spawn(Entity|Model)")
+    return words[:3] == ["ros2", "service", "call"] and any(map(spawns.fullmatch, words[4:5]))
 
 
 def why_not_started(process: LaunchedProcess) -> str:

@@ -1,6 +1,5 @@
 """The services of ``simulation_interfaces``, below the twin's node."""
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -8,6 +7,7 @@ from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.messages import header
 from drake_twin.scenario.names import problem_of_name, problem_of_namespace
 from drake_twin.services import entities
+from drake_twin.services.name_filter import NameFilter
 from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, twin_service
 from drake_twin.services.running import (
     FAILED,
@@ -30,7 +30,6 @@ _STOPPED, _PLAYING, _PAUSED = range(3)  # simulation_interfaces/msg/SimulationSt
 # entities, resets (of all, of what was spawned), getting and setting the simulation's state, pause, steps
 _FEATURES = [0, 1, 9, 10, 11, 14, 20, 23, 24, 25, 26, 31, 32, 33]
 _DEFAULT, _TIME, _STATE, _SPAWNED, _ALL = 0, 1, 2, 4, 255  # ResetSimulation
-_LONGEST_FILTER = 256
 
 
 def _named(name: str) -> str:
@@ -139,13 +138,8 @@ def _filtered(twin: Twin, filters: Any) -> list[str]:
     """
     if len(filters.categories) or len(filters.tags.tags) or filters.bounds.type:
         raise InputError("the twin's entities have no categories, tags and bounds: filter them by their names")
-    if len(filters.filter) > _LONGEST_FILTER:
-        raise InputError(f"the filter has more than {_LONGEST_FILTER} characters")
-    try:
-        pattern = re.compile(filters.filter)
-    except (re.error, RecursionError, OverflowError) as error:
-        raise InputError(f"{filters.filter!r} is not a regular expression: {error}") from None
-    return [name for name in entities.entity_names(twin) if pattern.search(name)]
+    names = NameFilter(filters.filter)
+    return [name for name in entities.entity_names(twin) if names.accepts(name)]
 
 
 @twin_service(_srv("GetSpawnables"), _named("get_spawnables"))

@@ -18,6 +18,7 @@ from drake_twin.run import main
 from drake_twin.sweep import main as sweep
 
 CREATE = '<node pkg="ros_gz_sim" exec="create" args="{}"/>'
+CALL = "<executable cmd=\"ros2 service call /spawn_entity {} '{{name: x}}'\"/>"
 CONTROL = '<node pkg="controller_manager" exec="ros2_control_node" namespace="other">{}</node>'
 PUBLISHER = '<node pkg="robot_state_publisher" exec="robot_state_publisher" namespace="third"/>'
 TEXT = '<param name="robot_description" value="{}"/>'
@@ -28,6 +29,8 @@ LOST = {
     "spawn of no file": (CREATE.format("-name x -file {folder}/absent.urdf"), "ros_gz_sim/create: "),
     "spawn of a broken file": (CREATE.format("-name x -file {folder}/broken.xml"), "this is not well-formed XML"),
     "spawn without a description": (CREATE.format("-name x"), "one of -topic, -file, -string and -param is needed"),
+    "spawn by a call of ROS": (CALL.format("gazebo_msgs/srv/SpawnEntity"), "ros2 (of programs, the twin starts only"),
+    "spawn by a call of ROS, too": (CALL.format("simulation_interfaces/srv/SpawnEntity"), "ros2 (of programs"),
     "robot without a description": (CONTROL.format("") + PUBLISHER, "it has no robot_description"),
     "robot that is not XML": (CONTROL.format(TEXT.format("robot")), "this is not well-formed XML"),
     "robot of a broken file": (CONTROL.format(TEXT.format("$(file-content {folder}/broken.xml)")), "well-formed"),

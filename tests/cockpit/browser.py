@@ -21,7 +21,7 @@ from drake_twin.cockpit.served_page import ServedPage
 PIXELS = 0.5  # of a screen for each of the page, both ways: the processor draws each of them
 
 # The processor draws the scene, which takes longer than all else on the page.
-_DRAWN_ON_DEMAND = """
+DRAWN_ON_DEMAND = """
 Object.defineProperty(window, "MeshCat", { configurable: true, set(library) {
   Object.defineProperty(window, "MeshCat", { value: library });
   const render = library.Viewer.prototype.render;
@@ -77,7 +77,7 @@ def browser(request, tmp_path_factory):
 def opened(browser):
     """A new tab."""
     tab = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
-    tab.add_init_script(_DRAWN_ON_DEMAND)
+    tab.add_init_script(DRAWN_ON_DEMAND)
     return tab
 
 

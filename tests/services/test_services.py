@@ -205,6 +205,14 @@ def spawn(twin, name="robot_3", **request):
     return answer(twin, "/drake_twin/spawn_entity", **(default | request))
 
 
+def test_a_filter_that_would_take_hours_is_answered_and_one_that_cannot_be_read_is_refused(twin):
+    listed = answer(twin, "/drake_twin/get_entities", filters=filters("^(robot|robot_1|.|..)*$"))
+    assert {"robot_1", "robot_2"} <= set(listed["entities"])
+    refused = answer(twin, "/drake_twin/get_entities", filters=filters("(?=a)"))
+    assert refused["result"]["result"] != RESULT["result"]
+    assert "is not a regular expression that a filter can have" in refused["result"]["error_message"]
+
+
 def filters(text=""):
     return Message(filter=text, categories=[], tags=Message(tags=[]), bounds=Message(type=0))
 
