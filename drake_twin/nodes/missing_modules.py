@@ -15,14 +15,42 @@ _DISTRIBUTIONS = {
     "PIL": "pillow",
     "cv2": "opencv-python-headless",
     "paho": "paho-mqtt",
+    "ros2_numpy": "ros2-numpy",
     "serial": "pyserial",
     "skimage": "scikit-image",
     "sklearn": "scikit-learn",
     "usb": "pyusb",
     "yaml": "pyyaml",
-    **{name: name for name in ("matplotlib", "pandas", "pynput", "scipy", "torch", "transforms3d", "ultralytics")},
+    **{
+        name: name
+        for name in ("matplotlib", "pandas", "py_trees", "pynput", "scipy", "torch", "transforms3d", "ultralytics")
+    },
 }
 
+# ROS packages that the twin does not bring → where they are on GitHub. Those that are Python run from a workspace.
+_SOURCES = {
+    "camera_info_manager": "ros-perception/image_common",
+    "diagnostic_updater": "ros/diagnostics",
+    "irobot_create_msgs": "iRobotEducation/irobot_create_msgs",
+    "launch_testing": "ros2/launch",
+    "px4_msgs": "PX4/px4_msgs",
+    "py_trees_ros": "splintered-reality/py_trees_ros",
+    "py_trees_ros_interfaces": "splintered-reality/py_trees_ros_interfaces",
+    "python_qt_binding": "ros-visualization/python_qt_binding",
+    "qt_gui": "ros-visualization/qt_gui_core",
+    "rqt_gui": "ros-visualization/rqt",
+    "rqt_gui_py": "ros-visualization/rqt",
+    "ur_dashboard_msgs": "UniversalRobots/Universal_Robots_ROS2_Driver",
+    "ur_msgs": "ros-industrial/ur_msgs",
+    **{f"ros2{name}": "ros2/ros2cli" for name in ("action", "lifecycle", "node", "param", "pkg", "run", "service")},
+}
+# Those that are C++, and what there is instead.
+_OF_C = {
+    "moveit": "send goals to /move_action, see the page on nodes",
+    "PyKDL": "use transforms3d or NumPy",
+    "tf2_kdl": "use tf2_geometry_msgs",
+}
+_FOLDER = ": give the folder of this ROS package by --package-path"
 _COMPILERS = frozenset(("pybind11_add_module", "Python3_add_library", "Python_add_library", "nanobind_add_module"))
 
 
@@ -40,13 +68,17 @@ def remedy(error: BaseException, file: Path) -> str:
         return f": the package has no .{rest} files"
     if rest and _is_compiled(error):
         return ": it has to be compiled from C++, as the CMakeLists.txt of its package says"
+    if rest and root in ROOTS:
+        return f": the twin's own {root} does not have this module"
     if rest or root in ROOTS | interface_types.known_packages():
         return ""
     if root in _DISTRIBUTIONS:
         return f": pip install {_DISTRIBUTIONS[root]}"
-    if root in _dependencies(file) or root.endswith(_INTERFACES):
-        return ": give the folder of this ROS package by --package-path"
-    return ""
+    if root in _SOURCES:
+        return f"{_FOLDER}; it is in {_SOURCES[root]} on GitHub"
+    if root in _OF_C:
+        return f": ROS's is compiled from C++, and the twin does not have it: {_OF_C[root]}"
+    return _FOLDER if root in _dependencies(file) or root.endswith(_INTERFACES) else ""
 
 
 def _is_compiled(error: ModuleNotFoundError) -> bool:

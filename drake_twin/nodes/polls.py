@@ -19,9 +19,11 @@ _LOOP = re.compile(rb"^[ \t]*while\b", re.MULTILINE)
 
 # What changes nothing. A program's own `done()` might, so that after it the wait is until the next step at most.
 _FUNCTIONS = frozenset(("abs", "all", "any", "bool", "callable", "float", "getattr", "hasattr", "int", "isinstance"))
-_FUNCTIONS |= {"len", "max", "min", "print", "str"}
+_FUNCTIONS |= {"Duration", "len", "max", "min", "print", "str"}
 _METHODS = frozenset(("cancelled", "done", "empty", "full", "is_alive", "is_set", "locked", "ok", "poll", "qsize"))
 _METHODS |= {"get_logger", "debug", "info", "warn", "warning", "error"}
+_METHODS |= {"get_clock", "now", "time", "monotonic", "perf_counter", "Duration"}
+_METHODS |= {"get_subscription_count", "count_publishers", "count_subscribers", "service_is_ready", "server_is_ready"}
 _OPERATORS = (ast.boolop, ast.cmpop, ast.expr_context, ast.operator, ast.unaryop)
 _PLAIN = (ast.BoolOp, ast.Compare, ast.Constant, ast.Name, ast.UnaryOp, *_OPERATORS)
 _LOOKING = (

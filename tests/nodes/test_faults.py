@@ -10,6 +10,8 @@ from node_runs import HEAD, lines, running, script
 from drake_twin.findings import Kind
 from drake_twin.nodes.nodes import Nodes
 
+FOLDER = ": give the folder of this ROS package by --package-path"
+COMPILED = ": ROS's is compiled from C++, and the twin does not have it"
 WITNESS = """
 class My(Node):
     def __init__(self):
@@ -31,7 +33,7 @@ def failed(twin) -> str:
         ("import sys\nsys.exit(3)", "it has ended with exit code 3 ({file}:2)"),
         ("import sys\nsys.exit('no plan')", "it has ended with exit code no plan ({file}:2)"),
         ("import nav3_commander", "ModuleNotFoundError: No module named 'nav3_commander' ({file}:1)"),
-        ("import rclpy.nowhere", "ModuleNotFoundError: No module named 'rclpy.nowhere' ({file}:1)"),
+        ("import rclpy.nowhere", "ModuleNotFoundError: No module named 'rclpy.nowhere'{own} ({file}:1)"),
         ("x = (", "SyntaxError: '(' was never closed (f.py, line 1) ({file}:1)"),
         ("import rclpy\nrclpy.create_node('n')", "NotInitializedException: {not_initialized} ({file}:2)"),
     ],
@@ -41,7 +43,8 @@ def test_a_node_that_raises(tmp_path, capsys, text, why):
     with running(file, script(tmp_path, "witness.py", WITNESS)) as twin:
         twin.advance_to(0.25)
         not_initialized = "rclpy.init() has not been called. msg:cannot create node"
-        expected = why.format(file=file, not_initialized=not_initialized)
+        own = ": the twin's own rclpy does not have this module"
+        expected = why.format(file=file, not_initialized=not_initialized, own=own)
         assert failed(twin).replace(f"({file.name}, line 1)", "(f.py, line 1)") == f"node f.py: {expected}"
     assert lines(capsys) == ["here 100", "here 200"]
 
@@ -50,10 +53,14 @@ def test_a_node_that_raises(tmp_path, capsys, text, why):
     ("module", "missing", "remedy"),
     [
         ("serial", "serial", ": pip install pyserial"),
-        ("arm_msgs.msg", "arm_msgs", ": give the folder of this ROS package by --package-path"),
-        ("gripper", "gripper", ": give the folder of this ROS package by --package-path"),
+        ("arm_msgs.msg", "arm_msgs", FOLDER),
+        ("gripper", "gripper", FOLDER),
         ("mine.srv", "mine.srv", ": the package has no .srv files"),
         ("elsewhere", "elsewhere", ""),
+        ("px4_msgs.msg", "px4_msgs", f"{FOLDER}; it is in PX4/px4_msgs on GitHub"),
+        ("ros2node.api", "ros2node", f"{FOLDER}; it is in ros2/ros2cli on GitHub"),
+        ("tf2_kdl", "tf2_kdl", f"{COMPILED}: use tf2_geometry_msgs"),
+        ("cv_bridge.boost", "cv_bridge.boost", ": the twin's own cv_bridge does not have this module"),
     ],
 )
 def test_what_lacks_a_module_is_told_where_it_may_come_from(tmp_path, monkeypatch, module, missing, remedy):

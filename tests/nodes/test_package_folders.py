@@ -125,3 +125,23 @@ except ModuleNotFoundError as error:
     assert run_script(tmp_path, text) == ""
     said = capsys.readouterr().out.splitlines()
     assert said == ["['DeclareLaunchArgument', 'Node']", "No module named 'launch.actions.no_such_action'"]
+
+
+def test_resources_are_packages_and_what_is_installed_beside_them(tmp_path):
+    share = tmp_path / "install" / "mine" / "share"
+    (share / "mine").mkdir(parents=True)
+    entry = share / "ament_index" / "resource_index" / "rviz_common__pluginlib__plugin" / "mine"
+    entry.parent.mkdir(parents=True)
+    entry.write_text("share/mine/plugins.xml")
+    folders = PackageFolders({"mine": share / "mine"}.get)
+    module = folders.source("ament_index_python.resources")
+    assert not hasattr(module, "get_package_prefix")
+    prefix = str(share.parent)
+    assert module.get_resource("packages", "mine") == ("", prefix)
+    assert module.get_resource("rviz_common__pluginlib__plugin", "mine") == ("share/mine/plugins.xml", prefix)
+    assert (module.has_resource("packages", "other"), module.has_resource("plugins", "mine")) == (False, False)
+    with pytest.raises(LookupError, match="Could not find the resource 'mine' of type 'plugins'"):
+        module.get_resource("plugins", "mine")
+    packages = folders.source("ament_index_python")
+    packages.get_package_share_path("mine")
+    assert (packages.get_resources("packages"), packages.get_resources("plugins")) == ({"mine": prefix}, {})

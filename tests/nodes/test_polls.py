@@ -99,6 +99,29 @@ def test_a_thread_that_keeps_others_waiting_is_named(tmp_path, caplog, monkeypat
 @pytest.mark.parametrize(
     "loop",
     [
+        "while publisher.get_subscription_count() == 0:\n    node.get_logger().info('none', throttle_duration_sec=1.0)",
+        "while time.time() - start < 0.01: pass",
+        "while node.get_clock().now() - start < Duration(seconds=0.01): pass",
+    ],
+)
+def test_a_look_at_the_graph_or_at_the_time_is_one_a_step(tmp_path, capsys, loop):
+    head = f"import time\n{HEAD}from rclpy.duration import Duration\nrclpy.init()\nnode = rclpy.create_node('a')\n"
+    head += "publisher, looks = node.create_publisher(String, 'b', 1), 0\n"
+    head += f"start = {'time.time()' if 'time.time' in loop else 'node.get_clock().now()'}\n"
+    head += "node.create_timer(0.01, lambda: node.create_subscription(String, 'b', print, 1))\n"
+    head += "import threading\nthreading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n"
+    head += "class Looks:\n    def __len__(self):\n        global looks\n        looks += 1\n        return 1\n"
+    head += "counted = Looks()\n"
+    file = script(tmp_path, "f.py", f"{head}{loop.replace('while ', 'while len(counted) and ')}\nprint(looks)\n")
+    with running(file) as twin:
+        twin.advance_to(0.05)
+        assert twin.findings == ()
+    assert 8 <= int(lines(capsys)[-1]) <= 24  # in ten steps, and after turns of the other thread
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
         "while i < 9: i += 1",
         "while step(): pass",
         "while True:\n    i += 1\n    if i > 9: break",

@@ -57,9 +57,10 @@ class ResourceIndex:
         assert resource_name, "The resource name must not be empty"
         if _has_separator(resource_name):
             raise InvalidResourceNameError(f"Resource name '{resource_name}' is invalid")
-        if resource_type == _PACKAGES and (found := self._prefix(resource_name)) is not None:
-            return found
-        for path in get_search_paths():
+        own = self._prefix(resource_name)
+        if resource_type == _PACKAGES and own is not None:
+            return own
+        for path in ([] if own is None else [own]) + get_search_paths():
             if Path(path, RESOURCE_INDEX_SUBFOLDER, resource_type, resource_name).is_file():
                 return path
         return False
@@ -68,7 +69,7 @@ class ResourceIndex:
         """Return the resources of a type, each with its prefix; of the workspace, the packages that are known."""
         _check(resource_type)
         found = dict(self._packages()) if resource_type == _PACKAGES else {}
-        for path in get_search_paths():
+        for path in dict.fromkeys((*self._packages().values(), *get_search_paths())):
             for file in _listed(Path(path, RESOURCE_INDEX_SUBFOLDER, resource_type)):
                 if not file.is_dir():
                     found.setdefault(file.name, path)
