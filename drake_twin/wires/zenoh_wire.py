@@ -29,7 +29,7 @@ from drake_twin.wires.zenoh_service import ZenohClient, ZenohServer
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
-_LONGEST_CLOSE = 2.0  # s that the caller waits for the session's end
+_LONGEST_CLOSE = 1.0  # s that the caller waits for the session's end
 _PERIOD = 0.02  # s between two looks at who listens
 _MOST_TOKENS = 1_000_000  # of a look at the graph. Zenoh's own 256 stop the session for ever where more come before the
 # first is taken: it keeps its lock while it waits for a place, and the look needs it.

@@ -4,7 +4,6 @@ import contextlib
 import functools
 import shutil
 import subprocess
-import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +11,8 @@ from typing import Any
 
 import pytest
 from wires.zenoh_peer import Heard
+
+from drake_twin.scratch_folder import scratch_folder
 
 SOURCE = Path(__file__).with_name("fast_dds_peer.cpp")
 
@@ -21,7 +22,7 @@ def program() -> str:
     """The compiled participant; the test is skipped where Fast DDS is not installed."""
     if shutil.which("g++") is None or not Path("/usr/include/fastdds").is_dir():
         pytest.skip("g++ and Fast DDS (Debian's libfastrtps-dev) are not installed: no other DDS")
-    compiled = Path(tempfile.mkdtemp(prefix="drake_twin_dds_")) / "peer"
+    compiled = scratch_folder() / "fast_dds_peer"
     command = ["g++", "-std=c++17", str(SOURCE), "-o", str(compiled), "-lfastrtps", "-lfastcdr"]
     subprocess.run(command, check=True, timeout=300)
     return str(compiled)

@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 from wires.zenoh_peer import Heard
 
+from drake_twin.scratch_folder import scratch_folder
+
 PROGRAM = Path(__file__).with_name("foxglove_peer.js")
 
 
@@ -24,7 +26,7 @@ def npm_modules(*packages: str) -> Path:
     """The folder of npm packages, installed once a process; the test is skipped where they are not to be had."""
     if shutil.which("npm") is None or shutil.which("node") is None:
         pytest.skip("Node's npm is not installed: no client that nobody here wrote")
-    folder = Path(tempfile.mkdtemp(prefix="drake_twin_npm_"))
+    folder = Path(tempfile.mkdtemp(prefix="npm_", dir=scratch_folder()))
     install = ["npm", "install", "--no-audit", "--no-fund", "--prefix", str(folder), *packages]
     done = subprocess.run(install, capture_output=True, text=True, timeout=300, check=False)
     if done.returncode:
