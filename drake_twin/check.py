@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.cli.build_line import build_line
 from drake_twin.cli.lost import check_lost
 from drake_twin.cli.plugin_watch import plugins_watched
 from drake_twin.cli.plugins import add_plugin, load_plugins
@@ -231,7 +232,8 @@ def _check(options: argparse.Namespace) -> int:
     xacro_args = dict(argument.split(":=", 1) for argument in options.xacro_args)
     paths = [absolute_path(folder) for folder in options.package_path]
     with stop_signals() as stopped:
-        report = check(options.file, xacro_args, paths)
+        with build_line(()):
+            report = check(options.file, xacro_args, paths)
         say(json.dumps(report.as_plain, indent=2) if options.json else "\n".join(_lines(report)))
         if options.view and report.ok:
             _view(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
