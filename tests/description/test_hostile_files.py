@@ -217,3 +217,12 @@ def test_a_loose_box_that_is_as_thin_as_nothing_is_refused(tmp_path):
     (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{INERTIAL}{shape}</link></robot>')
     with pytest.raises(InputError, match="non-positive volume"):
         built(tmp_path / "r.urdf")
+
+
+def test_a_link_of_sdf_too_far_away_is_refused(tmp_path):
+    pose = '<pose relative_to="__model__">0.6 -0.6 -1e308 0.8 -0.1 0.1</pose>'
+    inertia = "<mass>1.6</mass><inertia><ixx>0.04</ixx><iyy>0.03</iyy><izz>0.02</izz></inertia>"
+    link = f'<link name="l">{pose}<inertial>{inertia}</inertial></link>'
+    (tmp_path / "r.sdf").write_text(f'<sdf version="1.9"><model name="m">{link}</model></sdf>')
+    with pytest.raises(InputError, match="the inertia of r::l is not finite"):
+        built(tmp_path / "r.sdf")
