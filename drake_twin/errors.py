@@ -65,7 +65,8 @@ class InputError(TwinError):
     def __str__(self) -> str:
         place = ""
         if self.file is not None:
-            place = f"{self.file}: " if self.line is None else f"{self.file}:{self.line}: "
+            file = " ".join(self.file.split()) if set("\n\r").intersection(self.file) else self.file
+            place = f"{file}: " if self.line is None else f"{file}:{self.line}: "
         text = place + str(self.message).rstrip(".") + "."  # Gymnasium makes an error of an error
         if self.valid is not None:
             text += did_you_mean(str(self.value), self.valid).removeprefix(".") if self.value else ""

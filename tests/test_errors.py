@@ -11,5 +11,9 @@ def test_parts_that_are_not_known_are_left_out():
     assert str(InputError("it is wrong", file="a.yaml")) == "a.yaml: it is wrong."
 
 
+def test_a_file_whose_name_has_two_lines_is_said_in_one():
+    assert str(InputError("it is wrong", file="a\nb.yaml")) == "a b.yaml: it is wrong."
+
+
 def test_input_errors_and_failures_while_running_end_with_different_exit_codes():
     assert (InputError("").exit_code, RunError("").exit_code) == (2, 1)

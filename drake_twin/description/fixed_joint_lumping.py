@@ -98,9 +98,10 @@ def _folded(root: etree._Element) -> dict[str, tuple[str, str]]:
 
 def _family(link: str, children: Mapping[str, list[tuple[str, str]]]) -> Iterator[str]:
     """Yield a link and those that are folded into it, in Gazebo's order: by the names of their joints."""
-    yield link
-    for _, child in sorted(children.get(link, ())):
-        yield from _family(child, children)
+    waiting = [link]
+    while waiting:
+        yield (following := waiting.pop())
+        waiting += [child for _, child in sorted(children.get(following, ()), reverse=True)]
 
 
 def _is_source(other: str, link: str, name: str) -> bool:

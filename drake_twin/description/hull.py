@@ -7,6 +7,8 @@ import numpy as np
 from pydrake.geometry import PolygonSurfaceMesh
 
 _MOST_CORNERS = 64
+_MANY_CORNERS = 10_000  # of which a hull is computed in a second
+_DIRECTIONS = 4_000
 _SLIVER = 1e-4
 _SAME_PLANE = 1e-5  # an STL file's single precision turns slim triangles by some 1e-6
 _LOSS = 1e-3  # what a hull may lose, as a part of its size, to have fewer corners
@@ -31,6 +33,8 @@ def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     from scipy.spatial import ConvexHull
 
     corners = points[ConvexHull(points).vertices]
+    if len(corners) > _MANY_CORNERS:
+        corners = corners[_farthest(corners)]
     box = (*corners.argmin(axis=0).tolist(), *corners.argmax(axis=0).tolist())  # the box around it stays as it is
     kept = list(dict.fromkeys((*box, *_far_apart(corners))))
     while True:
@@ -42,6 +46,19 @@ def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             coarse = without_slivers(corners[kept][hull.vertices])
             return coarse, np.asarray(ConvexHull(coarse).simplices)
         kept.append(farthest)
+
+
+def _farthest(corners: np.ndarray) -> np.ndarray:
+    """Return the corners that reach farthest in some direction, which are 0.03 rad apart: a fine ball has very many."""
+    index = np.arange(_DIRECTIONS) + 0.5
+    height, turn = (
+        1 - 2 * index / _DIRECTIONS,
+        np.pi * (1 + 5**0.5) * index,
+    )  # on a Fibonacci spiral around the unit ball
+    radius = np.sqrt(1 - height**2)
+    directions = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+    directions = np.concatenate([directions, np.eye(3), -np.eye(3)])  # the box around it stays as it is
+    return np.unique([int(np.argmax(corners @ direction)) for direction in directions])
 
 
 def corners_of(hull: PolygonSurfaceMesh) -> np.ndarray:

@@ -28,7 +28,6 @@ MOST_TRIANGLES = 2_000_000
 _TRIANGLE = {".stl": b"endfacet", ".obj": b"\nf "}
 _MANY_BYTES_OF_TEXT = 100_000_000
 
-_MANY_BYTES = 10_000_000  # what takes seconds to read: progress is told
 _NOT_FINITE = re.compile(rb"(?i)[\s>][+-]?(nan|inf)")  # a number, in XML
 _DECIMATE = "decimate it, in Blender or MeshLab for example"
 
@@ -94,8 +93,7 @@ def read_scene(file: Path) -> tuple[Any, int]:
     """
     import trimesh  # takes a third of a second, and only the first start of a robot needs it
 
-    if file.stat().st_size > _MANY_BYTES:
-        tell(f"reads {file.name} ({file.stat().st_size / 1e6:.0f} MB)")
+    tell(f"reading {file.name} ({file.stat().st_size / 1e6:.1f} MB)")
     with reading(file):
         if file.suffix.lower() in (".gltf", ".glb"):
             check_gltf(file)

@@ -20,6 +20,7 @@ from drake_twin.description.mesh_file import Z_UP_TO_Y_UP, check_mesh_file, read
 from drake_twin.description.obj_file import obj_is_sound
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
+from drake_twin.progress import tell
 from drake_twin.requirements import missing
 
 _SMALLEST = 1e-11  # mesh units; of smaller ones Drake computes no hull
@@ -304,6 +305,7 @@ def _crease(mesh: Any) -> None:
 def _hull_obj(file: Path) -> bytes:
     """Compute the convex hull with Qhull, through SciPy: Drake's own takes over ten seconds for 50,000 triangles."""
     vertices = with_thickness(_spread(_different(np.asarray(read_triangles(file).vertices, dtype=float)), file))
+    tell(f"computing the convex hull of {file.name} ({len(vertices):,} corners)")
     try:
         corners, triangles = hull_of(vertices)
     except (RuntimeError, ValueError) as error:  # SciPy's QhullError is a RuntimeError, too, as is Drake's

@@ -3,6 +3,7 @@
 import ast
 import contextlib
 import ctypes
+import itertools
 import operator
 import threading
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ from drake_twin.description.bounded_yaml import LOADER
 from drake_twin.description.source_file import regular_open
 
 _LONGEST = 30.0  # s for one file; the largest public robots take two
+_MOST_EVALUATED = 50_000  # expressions of one file, which take some 10 s; the largest public robots have 5,000
 _MOST_BITS = 1 << 16
 _MOST_ITEMS = 1 << 24
 
@@ -103,8 +105,11 @@ def bounded_expressions(xacro: Any) -> Iterator[None]:
         TooLongError: If the expansion takes too long; raised in the thread that expands.
     """
     plain: Callable[..., Any] = xacro.safe_eval
+    evaluated = itertools.count(1)
 
     def safe_eval(expr: str, globals: Any, locals: Any = None) -> Any:
+        if next(evaluated) > _MOST_EVALUATED:
+            raise xacro.XacroException(f"its macros evaluate more than {_MOST_EVALUATED:,} expressions")
         code, functions = compile_bounded(expr.strip())
         if invalid := [name for name in code.co_names if name.startswith("__")]:
             raise xacro.XacroException("Use of invalid name(s): ", ", ".join(invalid))

@@ -25,6 +25,7 @@ from drake_twin.description.xacro_expressions import bounded_expressions, quick_
 from drake_twin.description.xacro_surroundings import Answers, XacroSurroundings
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
+from drake_twin.progress import tell
 
 _XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
 
@@ -85,6 +86,7 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
 
 def _expand(file: Path, arguments: Mapping[str, str], surroundings: XacroSurroundings) -> Expanded:
     xacro = installed_xacro()
+    tell(f"expanding {file.name}")
     with contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
             with (

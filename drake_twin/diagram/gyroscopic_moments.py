@@ -29,6 +29,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPor
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, Multiplexer, SymbolicVectorSystem
 from pydrake.systems.sensors import Gyroscope
 
+from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 
 # Moments of inertia are equal if they differ by less than this part.
@@ -159,7 +160,11 @@ def _loose_bodies(plant: MultibodyPlant) -> list[_LooseBody]:
         moving = plant.GetBodiesKinematicallyAffectedBy([joints[body.index()]])
         if len(moving) > len(welded) or not any(item.default_mass() > 0 for item in welded):
             continue
-        moments, axes = np.linalg.eigh(_central_inertia(plant, context, body.index()))
+        inertia = _central_inertia(plant, context, body.index())
+        if not np.isfinite(inertia).all():
+            name = body.scoped_name().get_full()
+            raise InputError(f"the inertia of {name} is not finite: a pose or a mass of it is too large")
+        moments, axes = np.linalg.eigh(inertia)
         if moments[0] <= 0.0 or moments[2] - moments[0] <= _EQUAL * moments[2]:
             continue
         axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])

@@ -160,6 +160,33 @@ def test_macros_without_end_are_refused_after_a_while(tmp_path, monkeypatch):
         built(tmp_path / "r.xacro")
 
 
+def test_macros_of_too_many_expressions_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(xacro_expressions, "_MOST_EVALUATED", 1_000)
+    twice = '<xacro:twice n="${n - 1}"/>'
+    text = f"""<robot name="r" {XACRO}><xacro:macro name="twice" params="n"><xacro:if value="${{n > 0}}">
+      {twice}{twice}</xacro:if></xacro:macro><xacro:twice n="30"/></robot>"""
+    (tmp_path / "r.xacro").write_text(text)
+    with pytest.raises(InputError, match="its macros evaluate more than 1,000 expressions") as refusal:
+        built(tmp_path / "r.xacro")
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("joint", ["continuous", "fixed"])
+@pytest.mark.parametrize(("count", "is_refused"), [(1001, True), (1000, False)])
+def test_a_chain_without_end_is_refused(tmp_path, joint, count, is_refused):
+    links = "".join(f'<link name="l{number}">{INERTIAL}</link>' for number in range(count))
+    joints = "".join(
+        f'<joint name="j{number}" type="{joint}"><parent link="l{number - 1}"/><child link="l{number}"/></joint>'
+        for number in range(1, count)
+    )
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
+    if not is_refused:
+        TwinBuilder().robot("r", tmp_path / "r.urdf").build()
+        return
+    with pytest.raises(InputError, match="the robot has 1,001 links, and 1,000 are the most"):
+        TwinBuilder().robot("r", tmp_path / "r.urdf").build()
+
+
 def test_a_joint_may_have_a_slash_in_its_name(tmp_path):
     (tmp_path / "r.urdf").write_text(
         f'<robot name="r"><link name="a">{INERTIAL}</link><link name="b">{INERTIAL}</link><joint name="robot1/wheel"'
@@ -190,3 +217,12 @@ def test_a_loose_box_that_is_as_thin_as_nothing_is_refused(tmp_path):
     (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{INERTIAL}{shape}</link></robot>')
     with pytest.raises(InputError, match="non-positive volume"):
         built(tmp_path / "r.urdf")
+
+
+def test_a_link_of_sdf_too_far_away_is_refused(tmp_path):
+    pose = '<pose relative_to="__model__">0.6 -0.6 -1e308 0.8 -0.1 0.1</pose>'
+    inertia = "<mass>1.6</mass><inertia><ixx>0.04</ixx><iyy>0.03</iyy><izz>0.02</izz></inertia>"
+    link = f'<link name="l">{pose}<inertial>{inertia}</inertial></link>'
+    (tmp_path / "r.sdf").write_text(f'<sdf version="1.9"><model name="m">{link}</model></sdf>')
+    with pytest.raises(InputError, match="the inertia of r::l is not finite"):
+        built(tmp_path / "r.sdf")

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from drake_twin.description import hull
+from drake_twin.description.hull import _far_apart as far_apart
 from drake_twin.description.hull import corners_of, hull_of, planes_of, sides_under, without_slivers
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
@@ -26,6 +28,18 @@ def test_a_corner_that_is_almost_on_an_edge_is_removed(height, stays):
     kept = without_slivers(tent(height))
     assert len(kept) == (9 if stays else 8)
     assert stays or sorted(map(tuple, kept)) == sorted(map(tuple, CUBE))
+
+
+def test_a_ball_of_very_many_corners_keeps_its_size(monkeypatch):
+    points = np.random.default_rng(1).normal(size=(3_000, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    monkeypatch.setattr(hull, "_MANY_CORNERS", 1_000)
+    monkeypatch.setattr(hull, "_DIRECTIONS", 500)
+    asked = []
+    monkeypatch.setattr(hull, "_far_apart", lambda corners: asked.append(len(corners)) or far_apart(corners))
+    corners, _ = hull_of(points)
+    assert asked[0] <= 506
+    np.testing.assert_array_equal(np.ptp(corners, axis=0), np.ptp(points, axis=0))
 
 
 @pytest.mark.parametrize(("least", "count"), [(0.05, 9), (0.2, 8)])
