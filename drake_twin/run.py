@@ -95,17 +95,26 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         twin.clock.real_time_rate = options.real_time_rate
     if options.record is not None:
         twin.recorder.begin()
-    with html_file(twin, None if page is None else page.scene, options.save_html), Observers(options, stopped) as seen:
-        run = _Run(twin, target, files, (page, graph), seen, options, stopped)
-        if not options.end_with_recording:
-            run.run()
-        if again is not None and run.failure is None and (verdict := again.verdict(run.twin)):
-            say(verdict, sys.stderr)
-            if page is not None and not stopped:  # it stands still at its end, and can be looked at
-                options.duration = None
-                run.twin.pause()
+    failure = None
+    try:
+        with (
+            html_file(twin, None if page is None else page.scene, options.save_html),
+            Observers(options, stopped) as seen,
+        ):
+            run = _Run(twin, target, files, (page, graph), seen, options, stopped)
+            if not options.end_with_recording:
                 run.run()
-        failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
+            if again is not None and run.failure is None and (verdict := again.verdict(run.twin)):
+                say(verdict, sys.stderr)
+                if page is not None and not stopped:  # it stands still at its end, and can be looked at
+                    options.duration = None
+                    run.twin.pause()
+                    run.run()
+            failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
+    except RunError:  # of the page or the plot, which are written last
+        if failure is not None:
+            say(f"error: {failure}", sys.stderr)
+        raise
     if failure is not None:
         raise failure
     check_lost(run.twin.findings, keep_going=options.keep_going)

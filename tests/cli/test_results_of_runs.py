@@ -1,6 +1,7 @@
 """What is kept of a run: each file whole, and the first error of several."""
 
 import json
+import os
 
 import pytest
 from conftest import rovers
@@ -8,6 +9,7 @@ from conftest import rovers
 from drake_twin.cli.options import parser
 from drake_twin.cli.results import save_results
 from drake_twin.errors import RunError
+from drake_twin.run import main
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.whole_file import write_result
@@ -65,3 +67,16 @@ def test_a_result_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "b.csv").mkdir()
     with pytest.raises(RunError, match=r"the table .*b.csv cannot be written \(Is a directory\)"):
         write_result("table", tmp_path / "b.csv", "x\n")
+
+
+@pytest.mark.parametrize("option", ["--plot", "--save-html"])
+def test_a_state_and_a_figure_that_cannot_be_written_are_both_named(tmp_path, capsys, monkeypatch, option):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    files = [str(tmp_path / "state.json"), str(tmp_path / "figure.svg")]
+    words = ["--robots", "1", "--headless", "--duration", "0.01", "--save-state", files[0], option, files[1]]
+    assert main(words) == 1
+    said = capsys.readouterr().err
+    assert [said.count(file) for file in files] == [1, 1]
