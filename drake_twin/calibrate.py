@@ -4,7 +4,8 @@ import argparse
 import os
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ from drake_twin.program import (
     run_program,
     say,
     stop_signals,
+    write_each,
 )
 
 if TYPE_CHECKING:
@@ -183,15 +185,21 @@ def _finish(result: "Result", options: argparse.Namespace) -> int:
     from drake_twin.calibration.report import draw, report, write_fitted
 
     say(report(result))
+    writers: list[Callable[[], None]] = []
     if options.out is not None and (options.force or not result.problems):
-        write_fitted(options.out, result)
-        say(f"wrote {options.out}", sys.stderr)
+        writers.append(partial(_write, write_fitted, options.out, result))
     elif options.out is not None:
         say(f"{options.out} is not written (--force writes it)", sys.stderr)
     if options.plot is not None:
-        draw(options.plot, result)
-        say(f"wrote {options.plot}", sys.stderr)
+        writers.append(partial(_write, draw, options.plot, result))
+    if (failure := write_each(writers)) is not None:
+        raise failure
     return 1 if result.problems else 0
+
+
+def _write(write: "Callable[[Path, Result], None]", file: Path, result: "Result") -> None:
+    write(file, result)
+    say(f"wrote {file}", sys.stderr)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,12 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
-from drake_twin.errors import InputError, TwinError
+from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.extensions import place_of_others
 from drake_twin.requirements import imports_explained
 
@@ -235,6 +235,27 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
             _lost_output[:] = [getattr(error, "strerror", "")]
         with contextlib.suppress(OSError, ValueError):  # discard what the interpreter flushes at its end
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def write_each(writers: Iterable[Callable[[], None]], failure: RunError | None = None) -> RunError | None:
+    """Write files, of which one that fails does not prevent the others.
+
+    Args:
+        writers: Each writes a file.
+        failure: An error that was there before.
+
+    Returns:
+        The first error; later ones are printed.
+    """
+    for write in writers:
+        try:
+            write()
+        except (RunError, MemoryError) as raised:
+            error = RunError(NO_MEMORY) if isinstance(raised, MemoryError) else raised
+            if failure is not None:
+                say(f"error: {error}", sys.stderr)
+            failure = failure or error
+    return failure
 
 
 @contextlib.contextmanager

@@ -95,18 +95,24 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         twin.clock.real_time_rate = options.real_time_rate
     if options.record is not None:
         twin.recorder.begin()
+    failure = None
     scene = None if page is None else page.scene
-    with Observers(options, stopped) as seen, html_file(twin, scene, options.save_html):
-        run = _Run(twin, target, files, (page, graph), seen, options, stopped)
-        if not options.end_with_recording:
-            run.run()
-        if again is not None and run.failure is None and (verdict := again.verdict(run.twin)):
-            say(verdict, sys.stderr)
-            if page is not None and not stopped:  # it stands still at its end, and can be looked at
-                options.duration = None
-                run.twin.pause()
+    try:
+        with Observers(options, stopped) as seen, html_file(twin, scene, options.save_html):
+            run = _Run(twin, target, files, (page, graph), seen, options, stopped)
+            if not options.end_with_recording:
                 run.run()
-        failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
+            if again is not None and run.failure is None and (verdict := again.verdict(run.twin)):
+                say(verdict, sys.stderr)
+                if page is not None and not stopped:  # it stands still at its end, and can be looked at
+                    options.duration = None
+                    run.twin.pause()
+                    run.run()
+            failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
+    except RunError:  # of the page or the plot, which are written last
+        if failure is not None:
+            say(f"error: {failure}", sys.stderr)
+        raise
     if failure is not None:
         raise failure
     check_lost(run.twin.findings, keep_going=options.keep_going)

@@ -5,8 +5,9 @@ import os
 import shlex
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from drake_twin.program import (
     run_program,
     say,
     stop_signals,
+    write_each,
 )
 from drake_twin.sweeps.processes import Processes, workers_of_machine
 
@@ -243,10 +245,15 @@ def _show(file: Path, options: argparse.Namespace) -> None:
 
     definition, rows = read_table(file)
     say(report(definition, rows))
-    for figure, function in ((options.plot, draw), (options.pairs, draw_pairs)):
-        if figure is not None:
-            function(figure, definition, rows)
-            say(f"wrote {figure}", sys.stderr)
+
+    def write(function: Callable[..., None], figure: Path) -> None:
+        function(figure, definition, rows)
+        say(f"wrote {figure}", sys.stderr)
+
+    figures = ((draw, options.plot), (draw_pairs, options.pairs))
+    failure = write_each(partial(write, function, figure) for function, figure in figures if figure is not None)
+    if failure is not None:
+        raise failure
 
 
 def _command(arguments: Sequence[str]) -> str:

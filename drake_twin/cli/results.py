@@ -2,14 +2,13 @@
 
 import argparse
 import json
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import RunError
-from drake_twin.program import NO_MEMORY, say
+from drake_twin.program import say, write_each
 from drake_twin.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -37,15 +36,7 @@ def save_results(
     if options.record is not None:
         writers.append(lambda: twin.recorder.recording().save(options.record))
     writers.append(partial(_report, twin, simulated, wall_time, options.summary, failure))
-    for write in writers:
-        try:
-            write()
-        except (RunError, MemoryError) as raised:
-            error = RunError(NO_MEMORY) if isinstance(raised, MemoryError) else raised
-            if failure is not None:
-                say(f"error: {error}", sys.stderr)
-            failure = failure or error
-    return failure
+    return write_each(writers, failure)
 
 
 def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None, failure: RunError | None) -> None:

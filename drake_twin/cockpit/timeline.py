@@ -16,18 +16,23 @@ from drake_twin.twin.twin import Twin
 
 _SECONDS = 60.0  # s of simulation time
 _LEAST_BETWEEN = 0.03  # s of simulation time between two pictures that are kept
-_MOST_BYTES = 25_000_000  # of the poses, and as much again of the moments
+_MOST_BYTES = 25_000_000  # of the poses and scenes, and as much again of the moments
+_GEOMETRY_BYTES = 430  # of each geometry of a scene: each spawn and each delete makes a new one
 _MOST_MARKS = 200  # that the page shows
 _EPSILON = 1e-9  # s
 
 
 @dataclass(frozen=True)
 class _Picture:
-    """What was drawn at a time (s): the bodies' poses in the world, shape (bodies, 3, 4), in half of the memory."""
+    """What was drawn at a time (s): the bodies' poses in the world, shape (bodies, 3, 4), in half of the memory.
+
+    Its size (bytes) is that of its poses, and of its scene where that is another one than before.
+    """
 
     time: float
     scene: SharedScene
     poses: np.ndarray
+    size: int
 
     @property
     def frame(self) -> Frame:
@@ -50,7 +55,7 @@ class Timeline:
         self._twin, self._scene = twin, scene
         self._rewind: Rewind | None = None
         self._pictures: deque[_Picture] = deque()
-        self._size = 0  # bytes of the poses
+        self._size = 0  # bytes of the pictures
         self._looked: _Picture | None = None
         self._present = 0  # the step at which the looking began
 
@@ -85,11 +90,13 @@ class Timeline:
         self._drop_future()
         if self._pictures and now - self._pictures[-1].time < _LEAST_BETWEEN:
             return
-        picture = _Picture(now, frame.scene, frame.poses[:, :3].astype(np.float32))
-        self._pictures.append(picture)
-        self._size += picture.poses.nbytes
-        while self._pictures[0].time < now - _SECONDS or self._size > _MOST_BYTES:
-            self._size -= self._pictures.popleft().poses.nbytes
+        poses = frame.poses[:, :3].astype(np.float32)
+        is_known = self._pictures and self._pictures[-1].scene is frame.scene
+        of_scene = 0 if is_known else _GEOMETRY_BYTES * len(frame.scene.geometries)
+        self._pictures.append(_Picture(now, frame.scene, poses, poses.nbytes + of_scene))
+        self._size += self._pictures[-1].size
+        while self._pictures[0].time < now - _SECONDS or (self._size > _MOST_BYTES and len(self._pictures) > 1):
+            self._size -= self._pictures.popleft().size
 
     def look(self, time: float) -> None:
         """Pause, and draw the picture that is closest to a time (s) from now on.
@@ -157,7 +164,7 @@ class Timeline:
     def _drop_future(self) -> None:
         """Drop what is after the present: the twin was returned to an earlier moment."""
         while self._pictures and self._pictures[-1].time > self._twin.time + _EPSILON:
-            self._size -= self._pictures.pop().poses.nbytes
+            self._size -= self._pictures.pop().size
 
 
 def _plain(mark: Mark) -> dict[str, Any]:

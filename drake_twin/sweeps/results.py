@@ -73,7 +73,7 @@ class Results:
         self.rows: dict[str, Row] = {}
         self._journal = self._locked()
         if force:
-            os.truncate(self._journal, 0)
+            self._cut(0)
         elif file.exists() and file.stat().st_size:
             try:
                 definition, rows = read_table(file)
@@ -161,9 +161,18 @@ class Results:
             else:
                 self.rows[name] = entry
             good += len(line)
-        os.truncate(self._journal, good)
+        self._cut(good)
         if not good:
             self._write({_KEY: self._sweep.definition})
+
+    def _cut(self, size: int) -> None:
+        """Cut the journal off, unless it is as long already."""
+        try:
+            if os.fstat(self._journal).st_size != size:
+                os.truncate(self._journal, size)
+        except OSError as error:
+            os.close(self._journal)
+            raise RunError(f"{self._journal_file} cannot be written ({error.strerror})") from None
 
     def _check(self, definition: Mapping[str, Any], file: Path) -> None:
         own, definition = json.loads(json.dumps(self._sweep.definition)), {"format": 1, **definition}

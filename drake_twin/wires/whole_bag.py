@@ -1,9 +1,8 @@
-"""A rosbag2 bag that stays whole where the disk is full: the chunks that do not fit any more are left out."""
+"""A rosbag2 bag that stays whole where the disk is full or fails: the chunks that cannot be written are left out."""
 
 import contextlib
 import io
 from collections import defaultdict
-from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -13,8 +12,6 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
 
 from drake_twin.versions import stamp
-
-_FULL = (ENOSPC, EDQUOT, EFBIG)
 
 
 class _File(io.FileIO):
@@ -130,7 +127,7 @@ class WholeBag(Writer):
 
     def _drop_chunk(self, error: OSError) -> None:
         storage = self.storage
-        if error.errno not in _FULL or not isinstance(storage, _Storage) or not storage.written:
+        if not isinstance(storage, _Storage) or not storage.written:
             raise error
         self.failure = error
         for channel, count in storage.drop_chunk().items():

@@ -55,6 +55,14 @@ def test_values_that_do_not_fit_are_written_by_force_only(folder, capsys):
     assert "# problem: χ²/dof is " in (folder / "fitted.yaml").read_text()
 
 
+def test_values_that_cannot_be_written_do_not_prevent_the_figure(folder, capsys):
+    write_log(folder / "log", messages())
+    (folder / "fitted.yaml").mkdir()
+    assert calibrate.main([*PROGRAM, "--out", "fitted.yaml", "--plot", "fit.svg"]) == 1
+    assert "fitted.yaml cannot be written (Is a directory)" in capsys.readouterr().err
+    assert (folder / "fit.svg").is_file()
+
+
 def test_ctrl_c_names_the_command_that_continues(folder):
     write_log(folder / "log", messages())
     root = str(Path(__file__).resolve().parents[2])

@@ -1,6 +1,7 @@
 """What is kept of a run: each file whole, and the first error of several."""
 
 import json
+import os
 
 import pytest
 from conftest import rovers
@@ -9,6 +10,7 @@ from drake_twin.cli.options import parser
 from drake_twin.cli.results import save_results
 from drake_twin.errors import RunError
 from drake_twin.program import NO_MEMORY
+from drake_twin.run import main
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.whole_file import write_result
@@ -73,3 +75,16 @@ def test_a_file_for_which_there_is_no_memory_does_not_prevent_the_others(twin, t
     assert str(save_results(twin, 0.1, 0.4, options(tmp_path), None)) == NO_MEMORY
     assert (tmp_path / "record.json").is_file()
     assert (tmp_path / "summary.json").is_file()
+
+
+@pytest.mark.parametrize("option", ["--plot", "--save-html"])
+def test_a_state_and_a_figure_that_cannot_be_written_are_both_named(tmp_path, capsys, monkeypatch, option):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    files = [str(tmp_path / "state.json"), str(tmp_path / "figure.svg")]
+    words = ["--robots", "1", "--headless", "--duration", "0.01", "--save-state", files[0], option, files[1]]
+    assert main(words) == 1
+    said = capsys.readouterr().err
+    assert [said.count(file) for file in files] == [1, 1]

@@ -1,12 +1,14 @@
 """The timeline of the page, without a browser."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import umsgpack
-from conftest import rovers
+from conftest import ROVER, rovers
 from fake_page import FakePage
 
-from drake_twin import Twin
+from drake_twin import Robot, Twin
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 
@@ -136,7 +138,7 @@ def test_a_minute_is_kept_in_little_memory():
     assert it.told["first"] == pytest.approx(3.0, abs=0.05)
     assert len(timeline._pictures) <= 60 * 30 + 2
     assert it.told["bytes"] <= 8_000_000  # 1,800 pictures of 40 bodies of 48 bytes, and the moments; the bound is 50 MB
-    assert sum(item.poses.nbytes for item in timeline._pictures) == timeline._size
+    assert sum(item.size for item in timeline._pictures) == timeline._size
     it.page.cockpit.close()
 
 
@@ -145,7 +147,9 @@ def test_the_bytes_that_are_told_are_those_that_are_kept(driving, monkeypatch):
     driving.run_to(1.0)
     timeline = driving.page.cockpit._timeline
     count = len(timeline._pictures)
-    (picture,) = {item.poses.nbytes for item in timeline._pictures}
+    timeline._pictures[0] = replace(timeline._pictures[0], size=timeline._pictures[1].size)  # without its scene
+    timeline._size = sum(item.size for item in timeline._pictures)
+    (picture,) = {item.size for item in timeline._pictures}
     assert picture == 48 * len(timeline._pictures[0].poses)
     assert 20 < count <= 31
     assert driving.told["bytes"] == count * picture + timeline._rewind.size
@@ -154,11 +158,29 @@ def test_the_bytes_that_are_told_are_those_that_are_kept(driving, monkeypatch):
     assert len(timeline._pictures) == count  # at the bound, and not one fewer
     assert driving.told["first"] > 0.4
     assert driving.told["bytes"] == count * picture + timeline._rewind.size
+    monkeypatch.undo()
     driving.ask(protocol.GoOnFrom(0.6))
     kept = sum(item.time <= 0.5 for item in timeline._pictures)
     assert 0 < kept < 20
-    assert driving.told["bytes"] == len(timeline._pictures) * picture + timeline._rewind.size
+    assert driving.told["bytes"] == sum(item.size for item in timeline._pictures) + timeline._rewind.size
     assert len(timeline._pictures) in (kept, kept + 1)  # and the present
+
+
+def test_the_scenes_that_spawns_leave_count(driving, monkeypatch):
+    """Each has all geometries of the twin: a spawn and a delete in each second were ten times as large as the poses."""
+    timeline = driving.page.cockpit._timeline
+    for number in range(8):
+        driving.twin.entities.spawn(Robot(f"guest_{number}", ROVER, xyz=(3.0, 0.0, 0.13)))
+        driving.run_to(driving.twin.time + 0.1)
+        driving.twin.entities.delete(f"guest_{number}")
+        driving.run_to(driving.twin.time + 0.1)
+    scenes = {id(item.scene): item.scene for item in timeline._pictures}.values()
+    geometries = sum(len(scene.geometries) for scene in scenes)
+    assert len(scenes) >= 16
+    assert timeline._size >= 430 * geometries
+    monkeypatch.setattr("drake_twin.cockpit.timeline._MOST_BYTES", timeline._size // 2)
+    driving.run_to(driving.twin.time + 0.1)
+    assert len({id(item.scene) for item in timeline._pictures}) < len(scenes)
 
 
 def test_without_a_browser_nothing_is_kept():

@@ -40,6 +40,20 @@ writer = rosbag2_py.SequentialWriter()
 writer.open(rosbag2_py.StorageOptions({folder!r} + "2"), rosbag2_py.ConverterOptions())
 writer.write("/a", b"", 0)
 """
+FULL = """
+class Full:
+    def __getattr__(self, name):
+        def fail(*_):
+            import sqlite3
+            raise sqlite3.OperationalError("full") if name == "write" else OSError(28, "No space left on device")
+        return fail
+writer._writer = Full()
+try:
+    writer.write("/words", b"", 0)
+except RuntimeError as error:
+    print(type(error).__name__)
+writer.close()
+"""
 MESSAGES = [
     f"{topic} {time}"
     for index in range(3)
@@ -108,6 +122,14 @@ print(rosbag2_py.Info().read_metadata({folder!r}, "mcap").message_count)
 """
     found, failed = run(READ.format(folder=bag, what=what.format(folder=bag)))
     assert (found, failed) == (["6 250 1000 mcap", "[('/words', 3), ('/numbers', 3)]", "6"], [])
+
+
+@pytest.mark.parametrize("kind", ["mcap", "sqlite3"])
+def test_a_bag_that_cannot_be_written_is_rosbag2s_error_with_its_folder(tmp_path, run, kind):
+    text = WRITE.format(folder=str(tmp_path / "bag"), kind=kind, index="") + FULL
+    (found, (failed,)) = run(text)
+    assert found == ["RuntimeError"]
+    assert f"RuntimeError: Failed to write bag ({tmp_path / 'bag'}): " in failed
 
 
 @pytest.mark.parametrize(

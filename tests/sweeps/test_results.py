@@ -2,12 +2,14 @@
 
 import fcntl
 import json
+import os
 from math import isnan, nan
 
 import pytest
 from sweep_files import hinge_scenario
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.sweep import main
 from drake_twin.sweeps.episode import Sweep, failed
 from drake_twin.sweeps.report import report, sensitivities
 from drake_twin.sweeps.results import Results, check_format, read_table, write_table
@@ -154,6 +156,19 @@ def test_a_journal_that_another_sweep_has_removed_meanwhile_is_opened_again(swee
     assert len(read_table(tmp_path / "t.csv")[1]) == len(done(sweep))
 
 
+def test_a_journal_that_cannot_be_cut_off_is_named(sweep, tmp_path, monkeypatch):
+    def full(file, size):
+        raise OSError(28, "No space left on device")
+
+    file = tmp_path / "table.csv"
+    (tmp_path / "table.csv.journal").write_text("half a line")
+    monkeypatch.setattr(os, "truncate", full)
+    for force in (False, True):
+        with pytest.raises(RunError, match=r"table\.csv\.journal cannot be written \(No space left on device\)"):
+            Results(file, sweep, force=force)
+        (tmp_path / "table.csv.journal").write_text("half a line")
+
+
 def test_a_folder_that_is_removed_meanwhile_loses_the_rows_and_says_so(sweep, tmp_path):
     folder = tmp_path / "out"
     folder.mkdir()
@@ -194,3 +209,14 @@ def test_a_report_says_what_came_out_and_which_rows_are_best(sweep):
     assert "largest 16           row 12: hinge.arm.mass=4, hinge.args.size=small, seed 0" in text
     assert "speed: least 1, median" in text
     assert "error in 1 rows: a reason" in text
+
+
+def test_a_figure_that_cannot_be_written_does_not_prevent_the_next(tmp_path, capsys):
+    vary = map(Variation.parse, ("hinge.arm.mass=1:4:4", "ground_friction=0.5,0.6"))
+    sweep = Sweep.of(hinge_scenario(tmp_path), Design(tuple(vary)), 1.0)
+    table = tmp_path / "table.csv"
+    write_table(table, sweep.definition, done(sweep))
+    (tmp_path / "a.svg").mkdir()
+    assert main(["--show", str(table), "--plot", str(tmp_path / "a.svg"), "--pairs", str(tmp_path / "b.svg")]) == 1
+    assert f"{tmp_path / 'a.svg'} cannot be written" in capsys.readouterr().err
+    assert (tmp_path / "b.svg").is_file()

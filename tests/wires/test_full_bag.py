@@ -1,11 +1,13 @@
 """A bag on a full disk: whole with what fits, said, and an exit code."""
 
+import io
 import json
 import os
 import resource
 import subprocess
 import sys
 from collections import Counter
+from errno import EIO
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +18,9 @@ from rosbags.highlevel import AnyReader
 from wires.test_bag_writer import CHATTER, record
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.wires import whole_bag
 from drake_twin.wires.bag_wire import BagWire
-from drake_twin.wires.bag_writer import MESSAGE, TOPIC
+from drake_twin.wires.bag_writer import MESSAGE, TOPIC, write_bag
 from drake_twin.wires.seam import Seam
 
 ANOTHER = {**CHATTER, "name": "/another"}
@@ -73,6 +76,23 @@ def test_a_bag_that_does_not_fit_is_whole_up_to_a_moment(tmp_path, size):
     assert result.stdout.decode().startswith(f"File too large; {kept}")
     assert len(found) > (size - 2_200_000) / 50_000
     assert not found or found[-1][1] in (end, end - 1)
+
+
+def test_a_bag_whose_disk_fails_is_whole_up_to_there(tmp_path, monkeypatch):
+    write, calls = whole_bag._File.write, []
+
+    def fail(file, data):
+        calls.append(len(data))
+        if sum(calls) > 3_000_000:
+            calls.append(-(10**9))  # once
+            raise OSError(EIO, os.strerror(EIO))
+        return write(file, data)
+
+    monkeypatch.setattr(whole_bag._File, "write", fail)
+    with pytest.raises(RunError, match=r"^Input/output error; \d+ messages are kept"):
+        write_bag(str(tmp_path / "bag"), io.BytesIO(b"".join(stream())))
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert 30 < sum(1 for _ in reader.messages()) < 60
 
 
 def test_a_run_whose_bag_is_not_complete_says_so_and_ends_with_1(tmp_path):

@@ -1,7 +1,9 @@
 """Stand-in for ``rosbag2_py._writer``."""
 
 import atexit
+import contextlib
 import weakref
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +35,8 @@ class SequentialWriter:
         Raises:
             RuntimeError: If its folder is there already, or cannot be made.
         """
+        import sqlite3
+
         from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 
         kind = storage_options.storage_id or "mcap"
@@ -52,7 +56,7 @@ class SequentialWriter:
             for key, value in storage_options.custom_data.items():
                 self._writer.set_custom_data(key, value)
             self._writer.open()
-        except (OSError, WriterError) as error:
+        except (OSError, WriterError, sqlite3.Error) as error:
             self._writer = None
             raise RuntimeError(f"Failed to create bag directory ({self._folder}). {error}") from None
         atexit.register(_close, weakref.ref(self))
@@ -61,7 +65,7 @@ class SequentialWriter:
         """Add a topic; nothing happens if it is there already.
 
         Raises:
-            RuntimeError: If the bag is not open, or its type is unknown.
+            RuntimeError: If the bag is not open or cannot be written, or its type is unknown.
         """
         if self._writer is None:
             raise RuntimeError("Bag is not open. Call open() before writing.")
@@ -74,9 +78,10 @@ class SequentialWriter:
         profiles = topic.offered_qos_profiles or []
         if isinstance(profiles, str):
             raise NotImplementedError("profiles as text are not taken: leave them out, or give a reader's")
-        added = self._writer.add_connection(
-            topic.name, topic.type, msgdef=text, rihs01=digest, offered_qos_profiles=profiles
-        )
+        with self._failing():
+            added = self._writer.add_connection(
+                topic.name, topic.type, msgdef=text, rihs01=digest, offered_qos_profiles=profiles
+            )
         self._connections[topic.name] = added
 
     def remove_topic(self, topic: TopicMetadata) -> None:
@@ -93,20 +98,36 @@ class SequentialWriter:
             send_time_stamp: The time at which it was sent (ns), which a bag of ``rosbags`` does not keep.
 
         Raises:
-            RuntimeError: If the bag is not open, or the topic is not there.
+            RuntimeError: If the bag is not open or cannot be written, or the topic is not there.
         """
         if self._writer is None:
             raise RuntimeError("Bag is not open. Call open() before writing.")
         connection = self._connections.get(topic_name)
         if connection is None:
             raise RuntimeError(f"Failed to write on topic '{topic_name}'. Call create_topic() before first write.")
-        self._writer.write(connection, time_stamp, message)
+        with self._failing():
+            self._writer.write(connection, time_stamp, message)
 
     def close(self) -> None:
-        """Finish the bag."""
+        """Finish the bag.
+
+        Raises:
+            RuntimeError: If it cannot be written.
+        """
         writer, self._writer = self._writer, None
         if writer is not None:
-            writer.close()
+            with self._failing():
+                writer.close()
+
+    @contextlib.contextmanager
+    def _failing(self) -> Iterator[None]:
+        """Raise what rosbag2 raises where a bag cannot be written."""
+        import sqlite3
+
+        try:
+            yield
+        except (OSError, sqlite3.Error) as error:
+            raise RuntimeError(f"Failed to write bag ({self._folder}): {error}") from None
 
     def __del__(self) -> None:
         self.close()
