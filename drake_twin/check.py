@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +21,7 @@ from drake_twin.program import (
     add_keep_going,
     add_strict,
     add_version,
+    leave,
     run_program,
     say,
     stop_signals,
@@ -268,4 +268,4 @@ def _view(
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

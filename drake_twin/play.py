@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.cli.build_line import build_line
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_version, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, add_version, leave, run_program, say, stop_signals
 
 if TYPE_CHECKING:
     from drake_twin.playback.bag import Bag
@@ -114,4 +114,4 @@ def _announce(bag: "Bag", robots: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

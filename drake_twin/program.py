@@ -22,6 +22,7 @@ _NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # of files; a pipe or a terminal that is
 _lost_output: list[str] = []  # why a part of standard output is lost
 
 PATIENCE = 2.0  # s from a signal on, in which a program ends by itself
+NO_MEMORY = "there is not enough memory; each file that was written is whole"
 FIGURES = (".png", ".svg", ".pdf")
 
 
@@ -144,12 +145,22 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
     except KeyboardInterrupt:
         return 130
     except Exception as error:  # of a plug-in: the twin's own mistakes show their traceback
+        if _lacks_memory(error) and "--debug" not in arguments:
+            say(f"error: {NO_MEMORY} (--debug: the traceback)", sys.stderr)
+            return 1
         place = place_of_others(error)
         if place is None or "--debug" in arguments:
             raise
         what = " ".join(f"{type(error).__name__}: {error}".split())
         say(f"error: {place}: {what}: code of another package has failed (--debug: the traceback)", sys.stderr)
         return 1
+
+
+def _lacks_memory(error: BaseException | None) -> bool:
+    """Return whether an error comes from a lack of memory; pydrake, while it is imported, raises ImportError then."""
+    while error is not None and not isinstance(error, MemoryError):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _unless_lost(code: int) -> int:
@@ -258,4 +269,5 @@ def stop_signals() -> Iterator[list[int]]:
         yield stopped
     finally:
         for number, handler in previous.items():
-            signal.signal(number, handler)
+            if not stopped or handler != signal.SIG_DFL:  # which would kill with the exit code not yet told
+                signal.signal(number, handler)

@@ -117,7 +117,7 @@ def explanation(error: BaseException) -> RequirementError | None:
     """Return the error that names the base requirement which caused an exception; None if none did."""
     if isinstance(error, RequirementError):
         return error
-    if isinstance(error, TwinError | OSError) or not isinstance(error, Exception):
+    if isinstance(error, TwinError | OSError | MemoryError) or not isinstance(error, Exception):
         return None
     for each in _chain(error):
         if isinstance(each, ModuleNotFoundError) and _top(each) in BASE and not _is_found(_top(each)):

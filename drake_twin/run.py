@@ -26,7 +26,7 @@ from drake_twin.cli.watched_files import Stamp, Watch, files_read
 from drake_twin.cli.wires import Wires, open_wires
 from drake_twin.errors import RunError
 from drake_twin.plugin_watch import plugins_watched
-from drake_twin.program import collecting_later, leave, run_program, say, stop_signals
+from drake_twin.program import NO_MEMORY, collecting_later, leave, run_program, say, stop_signals
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 
 if TYPE_CHECKING:
@@ -94,7 +94,8 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         twin.clock.real_time_rate = options.real_time_rate
     if options.record is not None:
         twin.recorder.begin()
-    with html_file(twin, None if page is None else page.scene, options.save_html), Observers(options, stopped) as seen:
+    scene = None if page is None else page.scene
+    with Observers(options, stopped) as seen, html_file(twin, scene, options.save_html):
         run = _Run(twin, target, files, (page, graph), seen, options, stopped)
         if not options.end_with_recording:
             run.run()
@@ -181,6 +182,8 @@ class _Run:
                 self._simulate()
             except RunError as error:
                 self.failure = error
+            except MemoryError:
+                self.failure = RunError(NO_MEMORY)
             self.wall_time += time.perf_counter() - start
             self.simulated += self.twin.clock.simulated - begin
             is_over = self.failure is not None or self._stopped or self.is_shut_down

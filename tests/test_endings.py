@@ -10,6 +10,8 @@ import sys
 
 import pytest
 
+from drake_twin.program import NO_MEMORY
+
 FILES = {"--summary": "summary.json", "--record": "run.json", "--save-state": "state.json", "--save-html": "run.html"}
 
 
@@ -98,3 +100,13 @@ def test_a_file_that_cannot_be_written_keeps_no_other_from_it(tmp_path, monkeypa
     assert run.main(command(tmp_path, "--duration", "0.01")[3:]) == 1
     assert "error: the disk is full" in capsys.readouterr().err
     assert all(is_whole(tmp_path / name) for name in ("summary.json", "run.json", "run.html"))
+
+
+def test_a_lack_of_memory_while_it_runs(tmp_path, monkeypatch, capsys):
+    from drake_twin import run
+    from drake_twin.cli.status_line import StatusLine
+
+    monkeypatch.setattr(StatusLine, "show", lambda self: bytearray(1 << 60))
+    assert run.main(command(tmp_path)[3:]) == 1
+    assert capsys.readouterr().err == f"error: {NO_MEMORY}\n"
+    assert all(is_whole(tmp_path / name) for name in FILES.values())

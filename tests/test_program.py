@@ -9,7 +9,7 @@ import weakref
 import pytest
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.program import PATIENCE, ArgumentParser, collecting_later, run_program, say, stop_signals
+from drake_twin.program import NO_MEMORY, PATIENCE, ArgumentParser, collecting_later, run_program, say, stop_signals
 
 
 def failing(error):
@@ -26,6 +26,7 @@ def failing(error):
         (RunError("x"), 1),
         (OSError("x"), 2),
         (OSError(28, "x"), 1),
+        (MemoryError(), 1),
         (KeyboardInterrupt(), 130),
     ],
 )
@@ -49,6 +50,17 @@ def test_tracebacks_are_of_nodes_and_not_of_libraries(name, shows, capsys):
     told = capsys.readouterr().err
     assert told.startswith("error: it has failed\n")
     assert ("Traceback" in told) is shows
+
+
+def test_a_lack_of_memory_is_one_paragraph_also_where_drake_makes_another_error_of_it(capsys):
+    def program(arguments):
+        try:
+            bytearray(1 << 60)
+        except MemoryError as error:
+            raise ImportError("initialization failed") from error
+
+    assert run_program(program, []) == 1
+    assert capsys.readouterr().err == f"error: {NO_MEMORY} (--debug: the traceback)\n"
 
 
 def test_wrong_options_are_one_paragraph(capsys):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import RunError
-from drake_twin.program import say
+from drake_twin.program import NO_MEMORY, say
 from drake_twin.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ def save_results(
     for write in writers:
         try:
             write()
-        except RunError as error:
+        except (RunError, MemoryError) as raised:
+            error = RunError(NO_MEMORY) if isinstance(raised, MemoryError) else raised
             if failure is not None:
                 say(f"error: {error}", sys.stderr)
             failure = failure or error

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.share_layout import package_name
+from drake_twin.description.source_file import regular_open
 
 _ENDINGS = (".urdf", ".xacro", ".sdf")
 _SKIPPED = {"meshes", "worlds", "test", "tests", "build", "node_modules", ".git"}
@@ -40,7 +41,7 @@ def _files(package: Path) -> Iterator[Path]:
 
 def _is_robot(file: Path) -> bool:
     try:
-        with file.open("rb") as opened:
+        with regular_open(file, "rb") as opened:
             text = opened.read(_BEGINNING)
     except OSError:
         return False

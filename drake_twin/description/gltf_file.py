@@ -15,11 +15,10 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from drake_twin.description.source_file import check_regular
+from drake_twin.description.source_file import MOST_BYTES, check_regular, file_bytes
 from drake_twin.errors import InputError
 from drake_twin.values import LARGEST
 
-_MOST_BYTES = 1 << 30  # of all buffers
 _DEEPEST = 500  # levels of nodes
 _COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _ELEMENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -95,8 +94,8 @@ class _Document:
 
     def _number(self, holder: Mapping[str, Any], name: str, low: int, where: str, default: int | None = None) -> int:
         value = holder.get(name, default)
-        if not _is_whole(value) or not low <= value <= _MOST_BYTES:
-            raise _WrongError(f"{where}.{name} is {_shown(value)}, which must be from {low} to {_MOST_BYTES}")
+        if not _is_whole(value) or not low <= value <= MOST_BYTES:
+            raise _WrongError(f"{where}.{name} is {_shown(value)}, which must be from {low} to {MOST_BYTES}")
         return value
 
     def _read_buffers(self) -> None:
@@ -108,7 +107,7 @@ class _Document:
             if data is None or len(data) < length:
                 raise _WrongError(f"{where} has {len(data or b'')} bytes, not {length}")
             self._buffers.append(data[:length])
-        if sum(map(len, self._buffers)) > _MOST_BYTES:
+        if sum(map(len, self._buffers)) > MOST_BYTES:
             raise _WrongError("its buffers have more than one gigabyte")
 
     def _content(self, uri: Any, where: str) -> bytes:
@@ -163,7 +162,7 @@ class _Document:
     def _check_span(self, holder: Mapping[str, Any], size: int, count: int, where: str) -> None:
         number = self._index(holder, "bufferView", "bufferViews", where)
         if number is None:
-            if count * size > _MOST_BYTES:
+            if count * size > MOST_BYTES:
                 raise _WrongError(f"{where}.count is {count}")
             return
         view = self._lists["bufferViews"][number]
@@ -283,8 +282,7 @@ class _Document:
 
 def _parts(file: Path) -> tuple[bytes, bytes | None]:
     """Return the JSON of a glTF or GLB file, and the latter's binary part."""
-    check_regular(file)
-    data = file.read_bytes()
+    data = file_bytes(file)
     if not data.startswith(b"glTF"):
         return data, None
     found: dict[bytes, bytes] = {}

@@ -13,6 +13,7 @@ from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.python_modules import python_modules, source_of
 from drake_twin.description.setup_expressions import read_setup_cfg, read_setup_py
 from drake_twin.description.share_layout import package_name
+from drake_twin.description.source_file import regular_open
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def is_python(file: Path) -> bool:
     if file.suffix == ".py":
         return True
     try:
-        with file.open("rb") as stream:
+        with regular_open(file, "rb") as stream:
             first = stream.readline(200)
     except OSError:
         return False

@@ -1,4 +1,4 @@
-"""Files of a robot or a world, read as bytes or as XML in any encoding; devices and huge files are refused."""
+"""The one opener of files that strangers wrote: bytes, text, or XML in any encoding; no device, pipe or huge file."""
 
 import codecs
 import os
@@ -10,7 +10,8 @@ from typing import IO, Any
 
 from drake_twin.errors import InputError
 
-_MOST_BYTES = 1 << 30
+MOST_BYTES = 1 << 30
+MOST_TEXT = 1 << 25  # bytes that are parsed, which takes some thirty times their length in memory
 _DECLARATION = re.compile(r"""^\s*<\?xml\b[^>]*?(\sencoding\s*=\s*["']([\w.:-]+)["'])[^>]*\?>""")
 _PREFIX = re.compile(r"""</?([A-Za-z_][\w.-]*):|\s([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*\s*=\s*["']""")
 _OUTERMOST = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->|<!\w[^>]*>)*<[A-Za-z_][\w.-]*(?=[\s/>])", re.DOTALL)
@@ -26,8 +27,12 @@ _MARKS = (
 )
 
 
-def file_bytes(file: str | Path) -> bytes:
+def file_bytes(file: str | Path, most: int = MOST_BYTES) -> bytes:
     """Return the content of a file that a stranger may have written: a regular one of reasonable size.
+
+    Args:
+        file: The file.
+        most: How long it may be (bytes).
 
     Raises:
         OSError: If it cannot be read, or is something else, such as a pipe, which a reader would wait for.
@@ -39,19 +44,29 @@ def file_bytes(file: str | Path) -> bytes:
             raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(file))
         if not stat.S_ISREG(status.st_mode):
             raise OSError(EINVAL, "this is not a file, but a device or a pipe", str(file))
-        if status.st_size > _MOST_BYTES:
-            raise OSError(EFBIG, "the file has more than one gigabyte", str(file))
+        if status.st_size > most:
+            raise OSError(EFBIG, _too_large(status.st_size, most), str(file))
         return stream.read()
 
 
-def file_text(file: str | Path, encoding: str = "utf-8", errors: str = "strict") -> str:
+def _too_large(size: int, most: int) -> str:
+    return f"the file has {size / 1e6:.0f} MB; at most {most >> 20} MB are read"
+
+
+def file_text(file: str | Path, encoding: str = "utf-8", errors: str = "strict", most: int = MOST_TEXT) -> str:
     """Return the text of a file that a stranger may have written, with the ends of lines of ``open``.
+
+    Args:
+        file: The file.
+        encoding: Its encoding.
+        errors: What becomes of bytes that are not text, as for ``bytes.decode``.
+        most: How long it may be (bytes).
 
     Raises:
         OSError: As `file_bytes`.
         UnicodeDecodeError: If it is not text in its encoding.
     """
-    return file_bytes(file).decode(encoding, errors).replace("\r\n", "\n").replace("\r", "\n")
+    return file_bytes(file, most).decode(encoding, errors).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def regular_open(file: Any, mode: str = "r", *arguments: Any, **more: Any) -> IO[Any]:
@@ -68,8 +83,12 @@ def regular_open(file: Any, mode: str = "r", *arguments: Any, **more: Any) -> IO
     return open(file, mode, *arguments, **more)
 
 
-def check_regular(file: Path) -> None:
+def check_regular(file: Path, most: int | None = MOST_BYTES) -> None:
     """Check that a path is a regular file of reasonable size, and not a device or a pipe.
+
+    Args:
+        file: The file.
+        most: How long it may be (bytes); None for any length.
 
     Raises:
         InputError: If it is not a file, or too large.
@@ -78,8 +97,8 @@ def check_regular(file: Path) -> None:
     status = file.stat()
     if not stat.S_ISREG(status.st_mode):
         raise InputError("this is not a file, but a folder, a device or a pipe", file=file)
-    if status.st_size > _MOST_BYTES:
-        raise InputError(f"the file has {status.st_size / 1e9:.1f} GB; at most one gigabyte is read", file=file)
+    if most is not None and status.st_size > most:
+        raise InputError(_too_large(status.st_size, most), file=file)
 
 
 def without_default_namespace(text: str) -> str:
@@ -100,8 +119,7 @@ def read_xml(file: Path, what: str) -> str:
         InputError: If it cannot be read, or is not text in its encoding.
     """
     try:
-        check_regular(file)
-        data = file.read_bytes()
+        data = file_bytes(file, MOST_TEXT)
     except OSError as error:
         raise InputError(f"the {what} cannot be read ({error.strerror})", file=file) from None
     encoding = next((name for mark, name in _MARKS if data.startswith(mark)), None)

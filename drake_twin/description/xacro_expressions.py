@@ -1,4 +1,4 @@
-"""Bounds on the Python expressions in xacro files: ``${9**9**9}`` would block a twin for ever."""
+"""Bounds on the Python expressions in xacro and launch files: ``${9**9**9}`` would block a twin for ever."""
 
 import ast
 import contextlib
@@ -64,12 +64,16 @@ _FUNCTIONS = {"xacro_power": _power, "xacro_shifted": _shifted, "xacro_times": _
 
 
 @lru_cache(maxsize=8192)
-def _compiled(text: str) -> tuple[CodeType, bool]:
-    """Return an expression's code, and whether functions replace its operators."""
+def compile_bounded(text: str) -> tuple[CodeType, dict[str, Any]]:
+    """Compile an expression whose results are bounded: ``9**9**9`` raises an OverflowError.
+
+    Returns:
+        The code, and the functions that replace operators in it, to be copied into its globals.
+    """
     if not any(mark in text for mark in ("*", "<<")):
-        return compile(text, "<expression>", "eval"), False
+        return compile(text, "<expression>", "eval"), {}
     tree = ast.fix_missing_locations(_Bounded().visit(ast.parse(text, "<expression>", "eval")))
-    return compile(tree, "<expression>", "eval"), True
+    return compile(tree, "<expression>", "eval"), _FUNCTIONS
 
 
 def _quickly_loaded(stream: Any) -> Any:
@@ -101,10 +105,10 @@ def bounded_expressions(xacro: Any) -> Iterator[None]:
     plain: Callable[..., Any] = xacro.safe_eval
 
     def safe_eval(expr: str, globals: Any, locals: Any = None) -> Any:
-        code, is_bounded = _compiled(expr.strip())
+        code, functions = compile_bounded(expr.strip())
         if invalid := [name for name in code.co_names if name.startswith("__")]:
             raise xacro.XacroException("Use of invalid name(s): ", ", ".join(invalid))
-        globals.update(__builtins__=dict(_FUNCTIONS) if is_bounded else {})  # xacro gives no others
+        globals.update(__builtins__=dict(functions))  # xacro gives no others
         return eval(code, globals, locals)
 
     thread, is_over = threading.get_ident(), threading.Lock()

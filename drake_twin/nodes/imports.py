@@ -18,7 +18,7 @@ from drake_twin.nodes.polls import with_waits
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.stand_ins import YIELDING, imported
 from drake_twin.nodes.task import here
-from drake_twin.nodes.windows import opencv_spec, replace_windows
+from drake_twin.nodes.windows import opencv_spec, prepare_qt, replace_windows
 
 Source = Callable[[str], ModuleType | None]  # a module's full name → the module
 
@@ -64,6 +64,7 @@ class NodeFinder(importlib.abc.MetaPathFinder):
     ) -> ModuleSpec | None:
         if (spec := opencv_spec(fullname)) is not None:
             return spec
+        prepare_qt(fullname, program)
         own = root in YIELDING and (folder := self._folder_of(root)) is not None and root in python_modules(folder)
         for source in () if own else self._sources:
             if (module := source(fullname)) is not None:

@@ -6,6 +6,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import file_text
 from drake_twin.errors import InputError
 from drake_twin.messages import interface_types, store
 from drake_twin.messages.store import EMPTY
@@ -87,7 +88,7 @@ class InterfaceFiles:
 
 def _text(file: Path) -> str:
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
+        lines = file_text(file, "utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"the file cannot be read ({error})", file=file) from error
     return "".join(f"{line.rstrip()}\n" for line in lines)

@@ -5,6 +5,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from drake_twin.description.package_index import containing_package
+from drake_twin.description.source_file import file_bytes, file_text
 from drake_twin.messages import interface_types
 from drake_twin.nodes.stand_ins import ROOTS
 
@@ -55,7 +56,7 @@ def _is_compiled(error: ModuleNotFoundError) -> bool:
         trace = trace.tb_next
     package = None if trace is None else containing_package(Path(trace.tb_frame.f_code.co_filename))
     try:
-        text = "" if package is None else (package / "CMakeLists.txt").read_text(encoding="utf-8", errors="replace")
+        text = "" if package is None else file_text(package / "CMakeLists.txt", errors="replace")
     except OSError:
         return False
     words = set(re.findall(r"\w+", text))
@@ -66,7 +67,7 @@ def _dependencies(file: Path) -> set[str]:
     """Return what the package of a script depends on."""
     package = containing_package(file)
     try:
-        tags = [] if package is None else [*ElementTree.parse(package / "package.xml").getroot()]
+        tags = [] if package is None else [*ElementTree.fromstring(file_bytes(package / "package.xml"))]
     except (OSError, ElementTree.ParseError):
         return set()
     return {(tag.text or "").strip() for tag in tags if tag.tag.endswith("depend")}

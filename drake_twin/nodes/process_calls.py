@@ -2,8 +2,10 @@
 
 import atexit
 import functools
+import logging
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from types import MethodType
@@ -114,8 +116,15 @@ def _change_folder(task: Task, real: Callable[..., Any], path: Any) -> None:
     task.program.folder = os.getcwd()
 
 
+def _worker_failed(task: Task, real: Callable[..., Any], *arguments: Any, **options: Any) -> None:
+    """A worker of ``concurrent.futures`` takes its thread's end for an error, which Python lets it reach by a queue."""
+    if not isinstance(sys.exception(), (Abandoned, KeyboardInterrupt)):
+        real(*arguments, **options)
+
+
 # (place, name, what node programs have there, see `seen_by_nodes`)
 REPLACEMENTS: tuple[tuple[Any, str, Callable[..., Any]], ...] = (
+    (logging.getLogger("concurrent.futures"), "critical", _worker_failed),
     (signal, "signal", _set_signal),
     (signal, "getsignal", _get_signal),
     (signal, "set_wakeup_fd", _set_wakeup),

@@ -13,6 +13,7 @@ from types import CodeType, FrameType, ModuleType, TracebackType
 from typing import Any, Protocol
 
 from drake_twin.description.python_programs import PythonProgram
+from drake_twin.description.source_file import file_bytes
 from drake_twin.nodes.child_processes import ChildProcesses
 from drake_twin.nodes.missing_modules import remedy
 from drake_twin.nodes.polls import compiled, prepare, with_waits
@@ -251,7 +252,7 @@ class Program:
         self.modules["__main__"] = main
         if not found.module:
             prepare(main)
-            exec(compiled(found.file.read_bytes(), str(found.file)), main.__dict__)
+            exec(compiled(file_bytes(found.file), str(found.file)), main.__dict__)
             return
         # Not by an import, whose lock another program of this name would wait for if the module itself spins.
         parents = found.module.split(".")[:-1]

@@ -1,7 +1,7 @@
 """Which publishers and subscriptions of nodes hear each other, and what they are told of their quality of service.
 
-A subscription hears a publisher if it requests no more than is offered; deadlines and leases of liveliness are spans of
-simulation time, which begin with the first message.
+A subscription hears a publisher if it requests no more than is offered. Deadlines and leases of liveliness are spans of
+simulation time: a deadline begins with the first message, the lease of a publisher that asserts itself when it is made.
 """
 
 from collections.abc import Callable, Sequence
@@ -44,8 +44,7 @@ class QosEvents:
         reception.matched.append(publication)
         self.counted(publication, 1)
         self.counted(reception, 1)
-        if not publication.is_lost:
-            _tell(reception, "liveliness", alive_count=1)
+        _tell(reception, "liveliness", **{"not_alive_count" if publication.is_lost else "alive_count": 1})
 
     def offered(self, publications: Sequence[Publication]) -> dict[str, Any]:
         """Return the quality of service of a topic that nodes publish, as an `Endpoint` has it: the best of theirs."""

@@ -1,4 +1,4 @@
-"""ROS's command, ``ros2``, in the processes that node programs start: the twin's own tools where there is no ROS."""
+"""ROS's command, ``ros2``, in the processes that node programs start: the twin's own tools unless ROS is installed."""
 
 import os
 import re

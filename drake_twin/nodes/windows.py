@@ -1,8 +1,9 @@
-"""OpenCV's windows in node programs: where none can be shown, they are looked at by nobody.
+"""OpenCV's and Qt's windows in node programs: where none can be shown, they are looked at by nobody.
 
 That is so without a display, and with ``opencv-python-headless``: ROS's OpenCV would end the node there, or the whole
 process. Images are shown nowhere, which one finding says; no key is ever pressed, and trackbars keep their values.
-``waitKey`` waits in simulation time, for a loop around it would hold up the simulation otherwise.
+``waitKey`` waits in simulation time, for a loop around it would hold up the simulation otherwise. Without a display Qt
+draws into memory, as it would abort the process.
 """
 
 import functools
@@ -28,6 +29,8 @@ _SILENT = (
 )
 _TRACKBARS = ("createTrackbar", "setTrackbarPos", "getTrackbarPos")
 _KEYS = ("waitKey", "waitKeyEx", "pollKey")
+_QT = frozenset(("PyQt5", "PyQt6", "PySide2", "PySide6"))
+_PLATFORM = "QT_QPA_PLATFORM"
 
 
 def opencv_spec(name: str) -> ModuleSpec | None:
@@ -38,6 +41,14 @@ def opencv_spec(name: str) -> ModuleSpec | None:
     if spec is not None and spec.loader is not None:
         spec.loader = _Loader(spec.loader)
     return spec
+
+
+def prepare_qt(name: str, program: Any) -> None:
+    """Let Qt draw into memory where it would abort the process, if a module of it is about to be imported."""
+    if name in _QT and not _has_display() and not os.environ.get(_PLATFORM):
+        os.environ[_PLATFORM] = "offscreen"  # for processes of the program
+        os.putenv(_PLATFORM, "offscreen")
+        program.ignored(f"no window shows what {name} draws, without a display")
 
 
 def replace_windows(cv2: ModuleType) -> None:

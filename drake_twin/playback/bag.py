@@ -8,6 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from drake_twin.description.bag_files import check_bag_files
 from drake_twin.errors import InputError
 from drake_twin.messages import type_store
 from drake_twin.messages.interface_types import deserialize
@@ -138,4 +139,8 @@ def _checked(folder: Path) -> Path:
     if not (folder / "metadata.yaml").is_file():
         text = "this is not a rosbag2 bag: it has no metadata.yaml, which its recorder writes at the end"
         raise InputError(f"{text} (`ros2 bag reindex` makes one)", file=folder)
+    try:
+        check_bag_files(folder)
+    except OSError as error:
+        raise InputError(f"the bag cannot be read ({error.strerror})", file=folder) from None
     return folder

@@ -45,7 +45,16 @@ class _Interface:
         return value
 
 
-class _OfGraph:
+class _Open(type):
+    """Has members that are like it: `rclpy.task.Future` and the like stand in annotations."""
+
+    def __getattr__(cls, name: str) -> type:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return _made(name, _OfGraph, f"{cls.__module__}.{cls.__name__}")
+
+
+class _OfGraph(metaclass=_Open):
     """A class or function that needs a running graph."""
 
     def __init__(self, *arguments: Any, **keywords: Any):
@@ -84,7 +93,7 @@ _MODULES = (
 def _made(name: str, base: type, module: str) -> type:
     """Return a class of a module, with what services and actions hold."""
     parts = ("Request", "Response", "Goal", "Result", "Feedback") if base is _Interface else ()
-    return type(name, (base,), {"__module__": module, **{part: type(part, (base,), {}) for part in parts}})
+    return type(base)(name, (base,), {"__module__": module, **{part: type(part, (base,), {}) for part in parts}})
 
 
 def is_graph_module(name: str) -> bool:

@@ -6,6 +6,7 @@ from urllib.parse import unquote
 
 from drake_twin.description.package_index import PackageIndex, containing_package
 from drake_twin.description.share_layout import package_name
+from drake_twin.description.source_file import file_bytes
 from drake_twin.errors import InputError
 from drake_twin.twin.twin import Twin
 
@@ -53,7 +54,7 @@ class Assets:
             if package is None or package_name(package) not in names or not _is_readable(file):
                 continue
             if not any(part.startswith(".") for part in file.relative_to(package).parts):
-                return file.read_bytes()
+                return file_bytes(file)
         return None
 
 

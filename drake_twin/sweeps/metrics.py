@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from drake_twin.cli.history import RobotHistory, RunHistory
+from drake_twin.description.source_file import file_bytes
 from drake_twin.errors import InputError, described
 from drake_twin.twin.twin import Twin
 
@@ -263,4 +264,4 @@ def _function(option: str, file: str, name: str) -> Callable[..., Any]:
 
 
 def _hash(file: str) -> str:
-    return hashlib.sha256(Path(file).read_bytes()).hexdigest() if file else ""
+    return hashlib.sha256(file_bytes(file)).hexdigest() if file else ""

@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from drake_twin.description.source_file import file_bytes
+from drake_twin.description.source_file import MOST_BYTES, check_regular, file_bytes
 from drake_twin.errors import InputError, RunError
 from drake_twin.requirements import RequirementError, missing
 from drake_twin.sweeps.episode import COLUMNS, Row, Sweep
@@ -148,7 +148,7 @@ class Results:
     def _continue(self) -> None:
         """Read the journal, and cut off a line that was not finished."""
         good = 0
-        for number, line in enumerate(self._journal_file.read_bytes().splitlines(keepends=True)):
+        for number, line in enumerate(file_bytes(self._journal_file).splitlines(keepends=True)):
             if not line.endswith(b"\n"):
                 break
             try:
@@ -249,7 +249,14 @@ def read_table(file: Path) -> tuple[dict[str, Any], list[Row]]:
 def _read(file: Path) -> tuple[dict[str, Any], list[Row]]:
     if file.suffix == ".parquet":
         pa = _pyarrow()
-        table = pa.parquet.read_table(file)
+        check_regular(file)
+        stored = pa.parquet.ParquetFile(file, memory_map=False)
+        size = sum(stored.metadata.row_group(index).total_byte_size for index in range(stored.num_row_groups))
+        if size > MOST_BYTES:
+            raise InputError(
+                f"the table unpacks to {size / 1e6:.0f} MB; at most {MOST_BYTES >> 20} MB are read", file=file
+            )
+        table = stored.read()
         return json.loads(table.schema.metadata[_KEY.encode()]), table.to_pylist()
     first, _, rest = file_bytes(file).decode().partition("\n")
     definition = json.loads(first.removeprefix("# "))[_KEY]

@@ -4,9 +4,9 @@ import argparse
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.description.source_file import file_text
 from drake_twin.errors import InputError
 from drake_twin.messages.parameter_value import NOT_SET, flat, python_value, type_of, value_fields
 from drake_twin.program import ArgumentParser
@@ -129,7 +129,7 @@ def _add_load(parser: ArgumentParser) -> None:
 def _load(client: "Client", options: argparse.Namespace) -> int:
     """Set what a file has for any node, as ``ros2 param load`` does: its sections need not name this one."""
     try:
-        sections = yaml_values(Path(options.parameter_file).read_text(encoding="utf-8"))
+        sections = yaml_values(file_text(options.parameter_file))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{options.parameter_file} cannot be read: {error}") from None
     sections = sections if isinstance(sections, Mapping) else {}

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from drake_twin.description.source_file import check_regular
+from drake_twin.description.source_file import MOST_BYTES, file_text
 from drake_twin.errors import InputError, RunError
 from drake_twin.versions import FileKind, head, stamp, written_by
 from drake_twin.whole_file import write_whole
@@ -42,9 +42,8 @@ def read_saved(
         InputError: If the file cannot be read, or holds something else, or an unknown version of it.
     """
     try:
-        check_regular(Path(file))
-        data = json.loads(Path(file).read_text(encoding="utf-8"))
-    except (OSError, TypeError, UnicodeDecodeError, ValueError) as error:
+        data = json.loads(file_text(file, most=MOST_BYTES))
+    except (OSError, TypeError, ValueError) as error:
         raise InputError(f"cannot read a {kind.what} ({error})", file=str(file)) from None
     except RecursionError:
         raise InputError(f"cannot read a {kind.what} (it is nested too deeply)", file=file) from None

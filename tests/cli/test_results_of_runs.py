@@ -8,6 +8,7 @@ from conftest import rovers
 from drake_twin.cli.options import parser
 from drake_twin.cli.results import save_results
 from drake_twin.errors import RunError
+from drake_twin.program import NO_MEMORY
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.whole_file import write_result
@@ -65,3 +66,10 @@ def test_a_result_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "b.csv").mkdir()
     with pytest.raises(RunError, match=r"the table .*b.csv cannot be written \(Is a directory\)"):
         write_result("table", tmp_path / "b.csv", "x\n")
+
+
+def test_a_file_for_which_there_is_no_memory_does_not_prevent_the_others(twin, tmp_path, monkeypatch):
+    monkeypatch.setattr(Snapshot, "save", lambda self, file: bytearray(1 << 60))
+    assert str(save_results(twin, 0.1, 0.4, options(tmp_path), None)) == NO_MEMORY
+    assert (tmp_path / "record.json").is_file()
+    assert (tmp_path / "summary.json").is_file()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from browser import BROWSER_TESTS, browser, draw, page, show
 from conftest import ARM, ROVER, rovers
-from in_scene import item, place_of, tools
+from in_scene import item, look_at, place_of, tools
 from world_with_crate import rover_and_crate
 
 from drake_twin import TwinBuilder
@@ -86,6 +86,24 @@ def test_presets_look_from_where_they_say_and_fit_shows_the_selection(show, tmp_
     distance = 0.2 + 1.25 * 0.2 / np.tan(np.deg2rad(75 / 2))
     assert view()[1] == pytest.approx(distance, rel=0.02)
     assert view()[0] == pytest.approx((0, 0, 1), abs=0.05)  # as before
+
+
+def test_a_double_click_brings_what_is_there_into_the_picture_and_the_ground_nothing(show, tmp_path):
+    it, tab = show(rover_and_crate(tmp_path).scenario())
+    it.frames(lambda: item(tab, "model:crate::crate").count() == 1)
+    it.frames(lambda: bool(tools(tab, "boxOf(['crate'])")))
+    look_at(tab, "rover", "crate")
+    it.for_frames(3)
+    before = tools(tab, "cameraPlace()")
+    x, y, _ = it.twin.entities.state("crate").position
+    tab.mouse.dblclick(*place_of(tab, (x + 0.5, y, 0.0)))
+    assert tools(tab, "cameraPlace()") == before
+    tab.mouse.dblclick(*place_of(tab, (x, y, 0.4)))
+    it.for_frames(10)
+    it.frames(lambda: tools(tab, "cameraPlace()") != before)
+    _, _, _, tx, ty, tz = tools(tab, "cameraPlace()")
+    assert (tx, -tz, ty) == pytest.approx(it.twin.entities.state("crate").position, abs=0.01)
+    assert tools(tab, "selected.length") == 1
 
 
 def test_names_stand_above_robots_and_follow_them(page):

@@ -128,6 +128,28 @@ with ThreadPoolExecutor(2) as pool:
     assert lines(capsys) == ["[0.2, 0.4]", "[0.7, 0.5]"]
 
 
+def test_the_end_of_a_run_is_no_error_of_a_pool(tmp_path, capsys, caplog):
+    """Its workers wait for work when the run ends; an error of work is the one that asks for it."""
+    file = script(
+        tmp_path,
+        "pool.py",
+        """
+import rclpy
+from concurrent.futures import ThreadPoolExecutor
+
+rclpy.init()
+node = rclpy.create_node("pool")
+pool = ThreadPoolExecutor(2)
+node.create_timer(0.1, lambda: pool.submit(print, "worked"))
+rclpy.spin(node)
+""",
+    )
+    with running(file) as twin:
+        twin.advance_to(0.15)
+    assert lines(capsys) == ["worked"]
+    assert caplog.messages == []
+
+
 SLOW = """
 import time
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup

@@ -367,3 +367,28 @@ def test_an_unknown_log_level(tmp_path):
         twin.advance_to(0.01)
         (finding,) = twin.findings
         assert "Couldn't parse log level: '--log-level loud'" in finding.what
+
+
+def test_a_raw_subscription_gets_the_bytes_with_their_padding(tmp_path, capsys):
+    """As recorded of rclpy 7.1 with rmw_cyclonedds_cpp; what is serialized has none."""
+    text = """
+import rclpy
+from rclpy.serialization import serialize_message
+from std_msgs.msg import String
+rclpy.init()
+node = rclpy.create_node("raw")
+node.create_subscription(String, "t", lambda data: print(data[8:]), 10, raw=True)
+publisher = node.create_publisher(String, "t", 10)
+for each in ("a", "abc", "abcd"):
+    print(serialize_message(String(data=each))[8:])
+    publisher.publish(String(data=each))
+for _ in range(3):
+    rclpy.spin_once(node)
+"""
+    file = script(tmp_path, "raw.py", text)
+    with running(file) as twin:
+        twin.advance_to(0.1)
+    assert lines(capsys) == [
+        *(r"b'a\x00'", r"b'abc\x00'", r"b'abcd\x00'"),
+        *(r"b'a\x00\x00\x00'", r"b'abc\x00'", r"b'abcd\x00\x00\x00\x00'"),
+    ]

@@ -1,5 +1,6 @@
 """OpenCV's windows in nodes, with an OpenCV that has none: ``opencv-python-headless``, or no display."""
 
+import os
 import sys
 
 import pytest
@@ -74,3 +75,25 @@ def test_a_mistake_of_the_nodes_is_an_error_as_before(opencv, tmp_path, monkeypa
         twin.advance_to(1.0)
         assert [item.kind for item in twin.more_findings] == [Kind.FAILED]
         assert "size.width>0" in twin.more_findings[0].what
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is always a display")
+@pytest.mark.parametrize(("display", "platform"), [("", "offscreen"), (":0", None)])
+def test_qt_draws_into_memory_without_a_display(tmp_path, capsys, monkeypatch, display, platform):
+    """It reads the variable from the process itself, and aborts that without a display."""
+    monkeypatch.setenv("DISPLAY", display)
+    for name in ("WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
+    script(tmp_path, "PyQt5/__init__.py", "")
+    script(tmp_path, "PyQt5/QtWidgets.py", "")
+    text = "import ctypes\nfrom PyQt5 import QtWidgets\nget = ctypes.CDLL(None).getenv\nget.restype = ctypes.c_char_p\n"
+    file = script(tmp_path, "f.py", f"{text}print((get(b'QT_QPA_PLATFORM') or b'').decode() or None)\n")
+    try:
+        with running(file) as twin:
+            twin.advance_to(0.1)
+            said = [item.what for item in twin.findings]
+    finally:
+        os.unsetenv("QT_QPA_PLATFORM")
+    assert lines(capsys) == [str(platform)]
+    what = f"node f.py: no window shows what PyQt5 draws, without a display ({file}:2)"
+    assert said == ([what] if platform else [])

@@ -17,7 +17,10 @@ from moveit_configs_utils import MoveItConfigsBuilder
 from launch.substitutions import SubstitutionFailure
 
 class Mine(GraphNode):
-    pass
+    def done(self, future: rclpy.task.Future, handle: "rclpy.action.server.ServerGoalHandle" = None):
+        pass
+
+    handle: rclpy.action.server.ServerGoalHandle
 """
 NODE = "Node(package='p', executable='e')"
 

@@ -64,6 +64,7 @@ def test_what_a_substitution_gives(tmp_path, monkeypatch, substitution, value):
     [
         ("LaunchConfiguration('gven')", "launch configuration 'gven' does not exist. Did you mean 'given'"),
         ("EnvironmentVariable('NO_VARIABLE')", "environment variable 'NO_VARIABLE' is not set"),
+        ("PythonExpression('9**9**9')", "the Python expression '9**9**9' fails: OverflowError: 9 ** 387420489 has too"),
         ("PythonExpression('1 / 0')", "the Python expression '1 / 0' fails: ZeroDivisionError: division by zero"),
         ("Command('false')", "the command 'false' fails with exit code 1"),
         ("Command('no_such_command_here x')", "cannot be run: no_such_command_here: No such file or directory"),

@@ -15,6 +15,7 @@ const KEYS = [
   ["Esc", "Close a dialog"],
   ["?", "This help"],
   ["Click", "Select a link or model; the ground selects nothing"],
+  ["Double click", "Bring a link or model into the picture"],
   ["Drag", "Turn the camera; with the right button move it; wheel: closer and farther"],
   ["Ctrl and drag", "Drag a link with a spring"],
 ];

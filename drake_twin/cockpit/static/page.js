@@ -36,7 +36,7 @@ const moreViews = new MoreViews();
 const help = new Help();
 const layout = new Layout();
 const panels = new Panels(ask, (section) => layout.addFold(section));
-const palette = new Palette(() => panels.commands());
+const palette = new Palette((asks) => panels.commands(asks));
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
@@ -51,7 +51,7 @@ connection = new Connection({
       for (const part of [time, timeline, view, robots, sensors, panels, camera, moreViews]) part.structure(structure);
     },
     state(state) {
-      for (const part of [time, timeline, view, robots, sensors, panels, camera]) part.state(state);
+      for (const part of [time, timeline, view, robots, sensors, panels, camera, palette]) part.state(state);
       stops.state(state.robots);
       document.body.classList.add("ready");
     },

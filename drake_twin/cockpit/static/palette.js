@@ -8,7 +8,7 @@ const OPERABLE = "button, summary, select, input:not([type=hidden])";
 const HERE = ".bar, #panel, #plots, footer"; // where they are looked for
 
 export class Palette {
-  // `more` returns further commands: { text, about, run }.
+  // `more` returns further commands, { text, about, run }, and asks for others if it is given true.
   constructor(more) {
     this.more = more;
     this.input = element("input", {
@@ -29,13 +29,14 @@ export class Palette {
     if (document.querySelector("dialog[open]")) return;
     this.offered = [...document.querySelectorAll(OPERABLE)].filter(isOffered).map(commandOf);
     this.input.value = "";
+    this.others = this.more(true);
     this.dialog.showModal();
     this.find();
   }
 
   find() {
     const words = this.input.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const found = [...this.more(), ...this.offered].filter(({ text, about }) => words.every((word) => `${text} ${about}`.toLowerCase().includes(word)));
+    const found = [...this.others, ...this.offered].filter(({ text, about }) => words.every((word) => `${text} ${about}`.toLowerCase().includes(word)));
     // What has the words in its own name comes first, then the shorter name.
     const rank = ({ text }) => words.filter((word) => !text.toLowerCase().includes(word)).length;
     if (words.length) found.sort((one, other) => rank(one) - rank(other) || one.text.length - other.text.length);
@@ -43,6 +44,15 @@ export class Palette {
     this.results.replaceChildren(...this.found.map((command, index) => this.row(command, index)));
     this.none.textContent = found.length ? (found.length > MOST ? `${found.length - MOST} more` : "") : "Nothing has these words.";
     this.mark(0);
+  }
+
+  // List what was asked for and has come.
+  state() {
+    if (!this.dialog.open) return;
+    const others = this.more(false);
+    if (others.length === this.others.length) return;
+    this.others = others;
+    this.find();
   }
 
   row({ text, about }, index) {

@@ -28,9 +28,9 @@ export class Panels {
     this.onadd(section);
   }
 
-  // What panels offer to be found: { text, about, run }.
-  commands() {
-    return [...this.panels.values()].flatMap((panel) => panel?.commands?.() ?? []);
+  // What panels offer to be found: { text, about, run }; they ask for more of it if `asks` is true.
+  commands(asks) {
+    return [...this.panels.values()].flatMap((panel) => panel?.commands?.(asks) ?? []);
   }
 
   state({ panels, paused }) {

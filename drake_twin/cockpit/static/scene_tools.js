@@ -14,6 +14,7 @@ const LINGER = 500; // ms that a preview stays until the twin has moved what it 
 class SceneTools {
   constructor() {
     this.onclick = null; // is given { path, point } of what was clicked, or null
+    this.onfocus = null; // is given { path, point } of what was double-clicked
     this.entityAt = null; // path → the name of the link there, if it can be dragged
     this.onpull = null; // is given { entity, at, target }: a link, the point on it and where to draw it (m)
     this.onrelease = null; // is given { entity }
@@ -31,6 +32,10 @@ class SceneTools {
     this.pane.addEventListener("pointermove", (event) => this.move(event), true);
     this.pane.addEventListener("pointerup", (event) => this.release(event), true);
     this.pane.addEventListener("pointercancel", () => this.cancel(), true);
+    this.pane.addEventListener("dblclick", (event) => {
+      const hit = this.clickOwner || this.handles.taken ? null : this.pick(event);
+      if (hit) this.onfocus?.(hit);
+    });
     this.selected = []; // the paths that glow
     this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {

@@ -62,9 +62,9 @@ export default class TopicsPanel {
     this.look();
   }
 
-  // The topics, to be found; they are asked for, and are there a moment later.
-  commands() {
-    this.ask({ do: "Look", version: this.version, echo: "", frames: false });
+  // The topics, to be found; those that were asked for are there a moment later.
+  commands(asks) {
+    if (asks) this.ask({ do: "Look", version: this.version, echo: "", frames: false });
     return this.topics.map(({ name, type }) => ({ text: name, about: type, run: () => this.find([name]) }));
   }
 

@@ -28,6 +28,7 @@ export default class WorldPanel {
     if (tools && !tools.onclick) {
       const ask = (what, fields) => this.ask({ do: what, ...fields });
       tools.onclick = (hit) => this.clicked(hit);
+      tools.onfocus = ({ path }) => this.goTo(this.at(path));
       tools.entityAt = (path) => this.draggable(path);
       tools.onpull = (fields) => ask("Drag", fields);
       tools.onrelease = (fields) => ask("Release", fields);
@@ -47,7 +48,9 @@ export default class WorldPanel {
     });
   }
 
+  // Select it and let it fill the picture.
   goTo(id) {
+    if (!id) return; // the ground
     this.tree.select(id);
     this.select(id);
     this.tools?.fit(this.tree.nodes.get(id).paths);

@@ -7,7 +7,6 @@ workspace does not have it. ``delta`` and descriptions in SDF or COLLADA are not
 import sys
 from collections.abc import Iterator
 from math import pi
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -17,6 +16,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+
+from drake_twin.description.source_file import file_text
 
 # What the parameters publish_default_… speak of → the field of the message.
 _DEFAULTS = {"positions": "position", "velocities": "velocity", "efforts": "effort"}
@@ -39,7 +40,7 @@ class JointStatePublisher(Node):
         self._mimics: dict[str, tuple[str, float, float]] = {}
         files = remove_ros_args(sys.argv)[1:]
         if files:
-            self._read(Path(files[0]).read_text(encoding="utf-8"))
+            self._read(file_text(files[0]))
         qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_subscription(String, "robot_description", self._hear_description, qos)
         for source in self._parameter("source_list", []):

@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Callable
 from dataclasses import fields, make_dataclass
+from functools import partial
 from typing import Any
 
 from drake_twin.nodes.rclpy._rclpy_pybind11 import UnsupportedEventTypeError as UnsupportedEventTypeError
@@ -135,24 +136,33 @@ class _EventCallbacks:
 
     def _create_handlers(self, callback_group: Any, impl: Any, topic_name: str) -> list[EventHandler]:
         """Return the handlers of what has a callback."""
-        found = []
+        found: list[EventHandler] = []
         for kind, (name, _) in self._types.items():
             callback = getattr(self, name, None)
             if callback is None and name == "incompatible_qos" and self.use_default_callbacks:
-                impl.item.listeners[name] = self._default(impl, topic_name)  # at once, and without a handler to look at
+                options = {"callback_group": callback_group, "event_type": kind, "parent_impl": impl}
+                impl.item.listeners[name] = partial(_begin, found, impl, self._default(impl, topic_name), options)
             if callback is not None:
                 options = {"callback_group": callback_group, "event_type": kind, "parent_impl": impl}
                 found.append(EventHandler(callback=callback, **options))
         return found
 
-    def _default(self, impl: Any, topic_name: str) -> Callable[[dict[str, Any]], None]:
+    def _default(self, impl: Any, topic_name: str) -> Callable[[Any], None]:
         logger = get_logger(impl.get_logger_name())
 
-        def warn(changes: dict[str, Any]) -> None:
-            policy = qos_policy_name_from_kind(changes["last_policy_kind"])
+        def warn(event: Any) -> None:
+            policy = qos_policy_name_from_kind(event.last_policy_kind)
             logger.warning(f"{self._line.format(topic_name)} Last incompatible policy: {policy}")
 
         return warn
+
+
+def _begin(handlers: list[EventHandler], impl: Any, warn: Any, options: dict[str, Any], changes: Any) -> None:
+    """Let a default handler warn at the next spin; before the first event, executors have nothing to look at."""
+    handler = EventHandler(callback=warn, **options)
+    handlers.append(handler)
+    impl.add_waitable(handler)
+    handler._put(changes)
 
 
 class SubscriptionEventCallbacks(_EventCallbacks):

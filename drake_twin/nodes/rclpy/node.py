@@ -71,6 +71,7 @@ class Node(NodeParameters, NodeGraph):
             self._context,
             arguments,
         )
+        self.__handle.add_waitable = self.add_waitable
         name, graph = self.__handle.name, self.__handle.graph
         given = parameters_of(name, of_all.parameters) | parameters_of(name, own.parameters)
         given.update({item.name: item.value for item in parameter_overrides or ()})

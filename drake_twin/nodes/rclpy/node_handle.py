@@ -30,6 +30,7 @@ class NodeHandle(Handle):
         actions: Its actions.
         entities: What an executor looks at, in this order.
         executor: The node's executor; None without one.
+        add_waitable: Adds a waitable to the node.
     """
 
     def __init__(self, base: str, namespace: str, context: Any, arguments: Any):
@@ -41,6 +42,7 @@ class NodeHandle(Handle):
         self.actions: ActionGraph = self.program.rclpy["actions"]
         self.entities: list[Any] = []
         self.executor: Any = None
+        self.add_waitable: Callable[[Any], None] = self.entities.append
 
     def expanded(self, name: str) -> str:
         """Return the full name of a topic or service.

@@ -3,12 +3,12 @@
 import array
 from contextlib import suppress
 from enum import Enum
-from pathlib import Path
 from typing import Any
 
 import yaml
 
 from drake_twin.description.bounded_yaml import load_yaml
+from drake_twin.description.source_file import file_text
 from drake_twin.messages.parameter_value import flat
 from drake_twin.nodes.message_classes import message_class
 
@@ -168,7 +168,7 @@ def parameter_dict_from_yaml_file(
     Raises:
         RuntimeError: If a node is not in the file, or it is not a parameters file.
     """
-    data = load_yaml(Path(parameter_file).read_text(encoding="utf-8"))
+    data = load_yaml(file_text(parameter_file))
     wildcard = ["/**"] if use_wildcard and "/**" in data else []
     keys = wildcard + (list(target_nodes) if target_nodes else [key for key in data if key != "/**"])
     for name in target_nodes or ():

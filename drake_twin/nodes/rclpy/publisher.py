@@ -31,6 +31,7 @@ class PublisherHandle(Handle):
 
     def __init__(self, node: NodeHandle, msg_type: Any, topic: str, profile: QoSProfile):
         super().__init__(lambda: node.graph.withdraw(self.item), topic, node.logger_name)
+        self.add_waitable = node.add_waitable
         is_kept = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.BEST_AVAILABLE)
         depth = queue_size(profile) or 0 if is_kept else 0
         may_lose = profile.reliability is ReliabilityPolicy.BEST_EFFORT
@@ -42,6 +43,7 @@ class PublisherHandle(Handle):
     def advertise(self) -> None:
         """Let it be on the graph, until it is destroyed or its program ends."""
         self.graph.advertise(self.item)
+        self.graph.quality.asserted(self.item)  # its lease begins
         present_task().program.belongings.append(self.item)
 
     def publish(self, message: Any) -> None:

@@ -36,6 +36,7 @@ class SubscriptionHandle(Handle):
 
     def __init__(self, node: NodeHandle, msg_type: Any, topic: str, profile: QoSProfile):
         super().__init__(lambda: node.graph.withdraw(self.item), topic, node.logger_name)
+        self.add_waitable = node.add_waitable
         self.messages: deque[tuple[Any, int, float]] = deque(maxlen=queue_size(profile))
         self.task: Task = present_task()
         latched = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.BEST_AVAILABLE)
@@ -73,12 +74,13 @@ class SubscriptionHandle(Handle):
         return self.given(message, raw=raw), {"source_timestamp": time, "received_timestamp": self.task.now}
 
     def given(self, message: Any, *, raw: bool) -> Any:
-        """Return a message as a callback gets it, or its bytes."""
+        """Return a message as a callback gets it, or its bytes, which DDS pads to four of them."""
         if not raw:
             return message_classes.from_wire(self.item.type, message)
         from drake_twin.messages.interface_types import serialize
 
-        return serialize(message)
+        data = serialize(message)
+        return data + bytes(-len(data) % 4)
 
 
 class Subscription:

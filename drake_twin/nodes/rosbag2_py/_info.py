@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.bag_files import check_bag_files
+from drake_twin.errors import InputError
 from drake_twin.nodes.rclpy.clock_type import ClockType
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.time import Time
@@ -37,8 +39,10 @@ def open_bag(uri: str) -> Any:
     from rosbags.rosbag2 import Reader, ReaderError
 
     try:
-        return Reader(str(uri).removeprefix("file://"))
-    except (OSError, ReaderError) as error:
+        place = str(uri).removeprefix("file://")
+        check_bag_files(Path(place))
+        return Reader(place)
+    except (InputError, OSError, ReaderError) as error:
         raise RuntimeError(f"No storage could be initialized from the inputs. ({error})") from None
 
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from drake_twin.description.xacro_expressions import compile_bounded
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_substitution
@@ -18,7 +19,7 @@ from drake_twin.ros2.text_parts import as_texts
 
 @expose_substitution("eval")
 class PythonExpression(Substitution):
-    """A Python expression; the launch file's code, run as it is.
+    """A Python expression; the launch file's code, run as it is, but for numbers and lists without end.
 
     Args:
         expression: Text and substitutions that make the expression.
@@ -45,7 +46,8 @@ class PythonExpression(Substitution):
             if module is math:
                 names.update((name, value) for name, value in vars(math).items() if not name.startswith("_"))
         try:
-            return str(eval(expression, {}, names))
+            code, functions = compile_bounded(expression.strip())
+            return str(eval(code, dict(functions), names))
         except Exception as error:  # the file's own code raises whatever it likes
             raise SubstitutionFailure(
                 f"the Python expression {expression!r} fails: {type(error).__name__}: {error}"
