@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.cli.build_line import build_line
 from drake_twin.cli.lost import check_lost
-from drake_twin.cli.plugin_watch import plugins_watched
 from drake_twin.cli.plugins import add_plugin, load_plugins
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Finding, Kind, Weight, counted, texts
+from drake_twin.plugin_watch import plugins_watched
 from drake_twin.program import (
     ArgumentParser,
     add_keep_going,

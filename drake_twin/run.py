@@ -12,11 +12,10 @@ from drake_twin.cli.announcement import announce
 from drake_twin.cli.build_line import build_line
 from drake_twin.cli.html_file import html_file
 from drake_twin.cli.launch_arguments import launch_arguments
-from drake_twin.cli.lost import check_lost
+from drake_twin.cli.lost import check_failed, check_lost
 from drake_twin.cli.node_options import end_of_launch, start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
-from drake_twin.cli.plugin_watch import plugins_watched
 from drake_twin.cli.plugins import load_plugins
 from drake_twin.cli.program_page import ProgramPage
 from drake_twin.cli.rebuilt_twin import rebuilt_twin
@@ -26,7 +25,7 @@ from drake_twin.cli.target import Target, build_twin, find_target
 from drake_twin.cli.watched_files import Stamp, Watch, files_read
 from drake_twin.cli.wires import Wires, open_wires
 from drake_twin.errors import RunError
-from drake_twin.findings import Kind, texts
+from drake_twin.plugin_watch import plugins_watched
 from drake_twin.program import NO_MEMORY, collecting_later, leave, run_program, say, stop_signals
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 
@@ -116,7 +115,8 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
     if failure is not None:
         raise failure
     check_lost(run.twin.findings, keep_going=options.keep_going)
-    return 1 if texts(run.twin.findings, Kind.FAILED) and not options.keep_going else 0
+    check_failed(run.twin.findings, keep_going=options.keep_going)
+    return 0
 
 
 def _episode(options: argparse.Namespace) -> "EpisodeAgain | None":

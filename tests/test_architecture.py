@@ -46,6 +46,7 @@ ROOMS = [
     ["program", "progress", "python_process", "whole_file", "own_host", "scratch_folder"],
     ["findings"],
     ["typed_data"],
+    ["plugin_watch"],
     ["values", "extensions", "frozen", "requirements", "saved", "versions"],
     ["errors"],
 ]

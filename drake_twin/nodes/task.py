@@ -4,10 +4,11 @@ import contextlib
 import ctypes
 import sys
 import threading
-import time as wall_clock
 from collections.abc import Callable, Iterator
 from math import inf
 from typing import Any, Protocol
+
+from drake_twin.plugin_watch import cpu_time
 
 _MOST_CALLS = 1000  # calls at one simulation time, after which a thread waits for the next step
 _MOST_WAITS = 100  # waits of a program after its own handler of Ctrl-C, until it is interrupted nevertheless
@@ -243,10 +244,7 @@ class Task:
         """Return the processor's time that the thread has used (s); without a clock of it, the wall time."""
         assert self.thread is not None
         assert self.thread.ident is not None
-        try:
-            return wall_clock.clock_gettime(wall_clock.pthread_getcpuclockid(self.thread.ident))
-        except (OSError, AttributeError):  # it ends, or the system has no such clock
-            return wall_clock.perf_counter()
+        return cpu_time(self.thread.ident)
 
     def is_asleep(self) -> bool:
         """Return whether the thread waits for something; not for the processor or a disk, where the system says so."""

@@ -11,6 +11,7 @@ from typing import Any
 
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.findings import Finding
+from drake_twin.plugin_watch import plugins_watched
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.sweeps.known_paths import check_paths
@@ -139,8 +140,9 @@ class Runner:
         sweep, started = self._sweep, time.perf_counter()
         row = first_columns(sweep, episode)
         try:
-            twin = self._started(sweep.scenario(episode))
-            outcome = self._advance(twin)
+            with plugins_watched(()):
+                twin = self._started(sweep.scenario(episode))
+                outcome = self._advance(twin)
             if self._log is not None:
                 history = self._log.history(twin)
                 for metric in sweep.metrics:

@@ -1,6 +1,8 @@
 """What docs/trust.md says of who can reach a twin: another user, another machine, a page of another site."""
 
+import contextlib
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -103,6 +105,31 @@ def test_another_user_does_not_find_the_page_and_learns_its_secrets_nowhere(twin
         ]
     )
     assert answers == ["HTTP/1.1 403 Forbidden"] * 5
+
+
+def listeners(pid):
+    """The addresses and TCP ports at which a process listens."""
+    own = set()
+    for entry in os.listdir(f"/proc/{pid}/fd"):
+        with contextlib.suppress(OSError):
+            own.add(os.readlink(f"/proc/{pid}/fd/{entry}"))
+    found = set()
+    for table in ("tcp", "tcp6"):
+        for line in Path(f"/proc/{pid}/net/{table}").read_text(encoding="ascii").splitlines()[1:]:
+            _, local, _, state, *rest = line.split()
+            if state == "0A" and f"socket:[{rest[5]}]" in own:
+                address, _, port = local.partition(":")
+                found.add((".".join(str(byte) for byte in reversed(bytes.fromhex(address))), int(port, 16)))
+    return found
+
+
+def test_the_program_listens_at_what_the_table_names_and_nowhere_else(twin):
+    ports, *_, pid, _ = twin
+    found = listeners(pid)
+    assert {("127.0.0.1", port) for port in ports} < found
+    (hidden,) = found - {("127.0.0.1", port) for port in ports}  # Foxglove's own server
+    assert re.fullmatch(r"127\.\d+\.\d+\.\d+", hidden[0])
+    assert hidden[0] != "127.0.0.1"
 
 
 def test_a_page_of_another_site_reaches_no_web_socket(twin):

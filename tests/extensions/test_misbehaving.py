@@ -1,6 +1,7 @@
 """Kinds of other packages that misbehave: each is named and not called again, and the rest goes on."""
 
 import gc
+import re
 import subprocess
 import sys
 import weakref
@@ -11,18 +12,20 @@ import pytest
 from conftest import ARM
 
 from drake_twin import InputError, Recording, RunError, TwinBuilder, messages, replay
-from drake_twin.cli.plugin_watch import PluginWatch
 from drake_twin.cli.plugins import load_plugins
 from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, panel
 from drake_twin.extensions import MODULES_OF_OTHERS
 from drake_twin.findings import Kind, texts
+from drake_twin.plugin_watch import PluginWatch
 from drake_twin.sensors import sensor
 from drake_twin.sensors.registry import SENSORS
 from drake_twin.sensors.sensor_system import SensorSystem
 from drake_twin.services.offered import services_of
 from drake_twin.services.registry import OF_TWIN, twin_service
+from drake_twin.sweeps.episode import Runner, Sweep
+from drake_twin.sweeps.variation import Design
 from drake_twin.twin.others_code import OthersCode
 from drake_twin.wires.others_wire import OthersWire
 from drake_twin.wires.seam import Seam
@@ -368,6 +371,37 @@ def test_an_endless_loop_is_ended(twin, tmp_path):
     assert twin.state_sha256() == plain_hash(0.1)
 
 
+def test_at_the_end_it_is_said_what_was_ended_and_how_often(twin, tmp_path, caplog):
+    (tmp_path / "endless.py").write_text(ENDLESS.replace("from drake_twin.controllers import", "# from"))
+    with PluginWatch(patience=0.2, look=0.02):
+        load_plugins([str(tmp_path / "endless.py")])
+        with pytest.raises(RunError, match="TooLongError"):
+            asked(twin, "/endless")
+        twin.advance_to(0.1)
+    said = f"{tmp_path / 'endless.py'}: endless computed for too long in one call, and was interrupted, "
+    assert caplog.messages[-1].startswith(said)
+    assert re.fullmatch(r"\d+ times?", caplog.messages[-1].removeprefix(said))
+
+
+def test_an_endless_loop_is_ended_where_threads_have_no_clock_of_the_processors_time(twin, tmp_path, monkeypatch):
+    monkeypatch.delattr("time.pthread_getcpuclockid")  # as on macOS
+    test_an_endless_loop_is_ended(twin, tmp_path)
+
+
+def test_an_endless_loop_in_an_episode_of_a_sweep_is_its_reason(tmp_path, monkeypatch):
+    monkeypatch.setattr("drake_twin.sweeps.episode.plugins_watched", lambda names: PluginWatch(0.2, 0.02))
+    (tmp_path / "stone.urdf").write_text(STONE)
+    (tmp_path / "endless_sensor.py").write_text(MAKES.replace('raise ValueError("boo")', "while True: pass"))
+    scenario = TwinBuilder().robot("stone", tmp_path / "stone.urdf").scenario()
+    load_plugins([str(tmp_path / "endless_sensor.py")])
+    sweep = Sweep.of(scenario, Design(()), 0.1)
+    row = Runner(sweep).run(next(sweep.design.episodes()))
+    assert (row["outcome"], row["reason"].partition(" (")[0]) == (
+        "error",
+        "TooLongError: it has computed for too long in one call, and is ended",
+    )
+
+
 def test_an_endless_import_is_ended(tmp_path):
     (tmp_path / "endless_import.py").write_text("while True:\n    pass\n")
     with PluginWatch(patience=0.2, look=0.02), pytest.raises(InputError, match="TooLongError: it has computed for too"):
@@ -435,3 +469,6 @@ def test_what_fails_when_files_are_read_is_a_sentence(tmp_path, text, code, said
     assert said in run.stdout + run.stderr
     assert "Traceback" not in run.stderr
     assert "bad.py:" in run.stdout + run.stderr
+    *_, last = run.stderr.splitlines()
+    assert last.startswith("error: ")
+    assert said.removeprefix("failed: ") in last

@@ -5,6 +5,7 @@ import logging
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from types import FrameType, TracebackType
@@ -24,13 +25,21 @@ class TooLongError(Exception):
         super().__init__(text)
 
 
+def cpu_time(ident: int) -> float:
+    """Return the processor's time that a thread has used (s); without a clock of it, as on macOS, the wall time."""
+    try:
+        return time.clock_gettime(time.pthread_getcpuclockid(ident))
+    except (OSError, AttributeError):  # it ends, or the system has no such clock
+        return time.perf_counter()
+
+
 class PluginWatch:
     """Looks, once a second, which code of another package the present thread is in; a context manager.
 
     A call that takes too long is ended by an exception at its next line of Python. What becomes of its owner then is as
     for any exception: a controller is deactivated, a panel or a service not called again, a file not read. Code that
     catches every exception is interrupted again at each look; a call that waits, or computes outside of Python, cannot
-    be ended, and is said.
+    be ended, and is said. At the end it is said again what has been ended and what has waited, and how often.
 
     Args:
         patience: The processor's time that one call may take (s).
@@ -42,6 +51,7 @@ class PluginWatch:
         self._ident = threading.get_ident()
         self._is_over = threading.Event()
         self._lock = threading.Lock()
+        self._told: Counter[str] = Counter()
         self._thread = threading.Thread(target=self._watch, name="plug-ins' watch", daemon=True)
 
     def __enter__(self) -> Self:
@@ -51,32 +61,38 @@ class PluginWatch:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         with self._lock:  # no exception comes after this
             self._is_over.set()
+        for what, count in self._told.items():
+            _log.warning("%s, %d time%s", what, count, "" if count == 1 else "s")
 
     def _watch(self) -> None:
         call: FrameType | None = None
         since = used = 0.0
-        clock = time.pthread_getcpuclockid(self._ident)
         is_said = False
         while not self._is_over.wait(self._look):
             with self._lock:
                 if self._is_over.is_set():
                     return
-                now, present = time.clock_gettime(clock), _call_of_others(self._ident)
+                now, present = cpu_time(self._ident), _call_of_others(self._ident)
                 if present is None or present is not call:
                     call, since, used, is_said = present, time.monotonic(), now, False
                 elif now - used > self._patience:
+                    self._told[f"{_place(present)} computed for too long in one call, and was interrupted"] += 1
                     ctypes.pythonapi.PyThreadState_SetAsyncExc(
                         ctypes.c_ulong(self._ident), ctypes.py_object(TooLongError)
                     )
                 elif time.monotonic() - since > max(self._patience, 2 * (now - used)) and not is_said:
                     is_said = True
-                    place = f"{present.f_code.co_filename}:{present.f_lineno}"
-                    _log.warning("%s waits for something, and the simulation with it", place)
+                    _log.warning("%s waits for something, and the simulation with it", _place(present))
+                    self._told[f"{_place(present)} waited, and the simulation with it"] += 1
 
 
 def plugins_watched(names: Sequence[str]) -> AbstractContextManager[object]:
     """Watch where there is something of other packages: modules that an option names, or entry points."""
     return PluginWatch() if names or has_entry_points() else nullcontext()
+
+
+def _place(call: FrameType) -> str:
+    return f"{call.f_code.co_filename}: {call.f_code.co_name}"
 
 
 def _call_of_others(ident: int) -> FrameType | None:
