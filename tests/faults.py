@@ -298,6 +298,9 @@ def problems(job: Job, outcome: Outcome, healthy: Outcome, *, killed: bool) -> l
     if not ended and lost and not outcome.said.strip():
         found.append(f"not a word about {lost}")
     if not ended:
+        is_refused = outcome.code == 2 and not half  # before anything runs
+        if is_refused:
+            lost = []
         found += [f"{name} is not named" for name in lost if name not in outcome.said and not name.startswith("out.")]
         if outcome.left:
             found.append(f"it leaves {outcome.left}")
