@@ -10,6 +10,7 @@ from in_scene import tools
 
 from drake_twin import TwinBuilder
 from drake_twin.builder.demo import demo_scenario
+from drake_twin.scenario import Robot
 
 pytestmark = BROWSER_TESTS
 
@@ -116,3 +117,28 @@ def test_names_do_not_overlap_and_the_nearest_robots_has_one(show):
             apart_x = abs(one["x"] - other["x"]) >= min(one["width"], other["width"]) - 1
             assert apart_x or abs(one["y"] - other["y"]) >= one["height"] - 1
     assert "robot_8" in labels.all_inner_texts()  # it is the nearest of them from the left
+
+
+def test_what_is_deleted_leaves_nothing_on_the_graphics_card(show):
+    """The arm's meshes come from files, each of which Meshcat reads into a group of parts."""
+    it, tab = show(TwinBuilder().robot("arm", ARM).scenario())
+    it.twin.pause()
+
+    def held():
+        picture(tab)
+        return tab.locator("#scene").evaluate("frame => ({ ...frame.contentWindow.shownViewer.renderer.info.memory })")
+
+    it.frames(lambda: bool(tools(tab, "boxOf(['arm'])")))
+    it.for_frames(10)
+    before = held()
+    for _ in range(3):
+        it.twin.entities.spawn(Robot("other", ARM, xyz=(0.5, 0, 0)))
+        it.frames(lambda: bool(tools(tab, "boxOf(['other'])")))
+        it.for_frames(10)
+        assert held()["geometries"] > before["geometries"]
+        it.twin.entities.delete("other")
+        it.frames(lambda: not tools(tab, "boxOf(['other'])"))
+        it.for_frames(3)
+    after = held()
+    assert after["geometries"] <= before["geometries"]
+    assert after["textures"] <= before["textures"]

@@ -10,3 +10,16 @@ function animate() {
   requestAnimationFrame(animate);
 }
 requestAnimationFrame(animate);
+
+// Meshcat frees the geometry of a path's own object; what a file was read into lies below it.
+{
+  const paths = Object.getPrototypeOf(viewer.scene_tree);
+  const { dispose_recursive: dispose } = paths;
+  paths.dispose_recursive = function () {
+    this.object?.traverse(({ geometry, material }) => {
+      geometry?.dispose();
+      for (const each of [material ?? []].flat()) for (const part of [each, ...Object.values(each)]) if (part?.isTexture || part?.isMaterial) part.dispose();
+    });
+    dispose.call(this);
+  };
+}
