@@ -1,6 +1,7 @@
 """What several rooms' tests share: the rover and arm as data, and other people's robots where they are present."""
 
 import os
+import signal
 import sys
 from collections import defaultdict
 from collections.abc import Generator
@@ -16,6 +17,9 @@ from drake_twin.wires.rclpy_process import find_rclpy
 # Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# Programs follow a closed terminal, unless `nohup` has started them: here it may have started the tests.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # The same cases in each run: other ones are a search, for which a seed is given.
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None)

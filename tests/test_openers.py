@@ -27,9 +27,11 @@ READERS = {"read_bytes", "read_text"}
 ALLOWED = {
     "benchmarks/report.py": "the machine's /proc",
     "benchmarks/sensors.py": "the machine's /proc",
-    "cockpit/access.py": "the user's token, opened without following links and without waiting",
+    "cockpit/access.py": "the user's own files, written without following links",
     "cockpit/html_recording.py": "the page's own files",
+    "cockpit/page_tokens.py": "the user's tokens, opened without following links and without waiting",
     "cockpit/panel.py": "the script of a panel's own package, whose Python runs already",
+    "cockpit/scene.py": "Drake's own file",
     "cockpit/server.py": "the page's own files",
     "description/lasting_files.py": "what the twin wrote",
     "description/mesh_cache.py": "checked by check_regular, or what the twin wrote",

@@ -9,9 +9,9 @@ import ast
 import re
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from math import inf
-from pathlib import Path
 from types import CodeType, ModuleType
 
+from drake_twin.description.source_file import file_bytes
 from drake_twin.nodes.task import Abandoned, here
 
 _WAIT = "__wait_for_change__"
@@ -54,7 +54,7 @@ def prepare(module: ModuleType) -> None:
 
 def with_waits(spec: ModuleSpec) -> ModuleSpec:
     """Return a module's spec with a loader that puts waits into its loops that only look."""
-    if type(spec.loader) is SourceFileLoader and _LOOP.search(Path(spec.loader.path).read_bytes()) is not None:
+    if type(spec.loader) is SourceFileLoader and _LOOP.search(file_bytes(spec.loader.path)) is not None:
         spec.loader = _Loader(spec.name, spec.loader.path)
     return spec
 

@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal
 
+from drake_twin.description.source_file import file_text
+
 RESOURCE_INDEX_SUBFOLDER = "share/ament_index/resource_index"
 _PACKAGES = "packages"
 
@@ -49,7 +51,7 @@ class ResourceIndex:
         if not found:
             raise LookupError(f"Could not find the resource '{resource_name}' of type '{resource_type}'")
         file = Path(found, RESOURCE_INDEX_SUBFOLDER, resource_type, resource_name)
-        return file.read_text(encoding="utf-8") if file.is_file() else "", found
+        return file_text(file) if file.is_file() else "", found
 
     def has_resource(self, resource_type: str, resource_name: str) -> str | Literal[False]:
         """Return the prefix of a resource, or False; raises as `get_resource` for wrong names."""
