@@ -124,10 +124,12 @@ class ContactShape:
 def extent_of(shape: Shape) -> np.ndarray:
     """Return the side lengths of the box around a box, a cylinder or a hull, in its frame (m)."""
     if isinstance(shape, Box):
-        return np.array(shape.size())
-    if isinstance(shape, Cylinder):
-        return np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
-    return np.asarray(np.maximum(np.ptp(corners_of(shape.GetConvexHull()), axis=0), _THINNEST))
+        size = np.array(shape.size())
+    elif isinstance(shape, Cylinder):
+        size = np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
+    else:
+        size = np.ptp(corners_of(shape.GetConvexHull()), axis=0)
+    return np.asarray(np.maximum(size, _THINNEST))
 
 
 def reach_of(shape: Shape, direction: np.ndarray) -> float:
