@@ -233,4 +233,4 @@ sys.exit(run.main(["--robots", "500", "--headless"]))
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert result.returncode == 130
     assert result.stderr == ""
-    assert result.stdout.splitlines()[-1] in ("reading robot_6 (6 of 500)", "reading robot_7 (7 of 500)")
+    assert len(result.stdout.splitlines()) in (5, 6, 7)  # steps

@@ -9,12 +9,12 @@ import socket
 import subprocess
 import sys
 import threading
-import urllib.request
 from urllib.parse import urlsplit
 
 import pytest
 from browser import opened
 from chromium import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
+from entered_page import entered
 
 BAD = [b"\x91", b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 65536, b"{", b'{"do":"Pause"}', b"\x00" * 1000]
 
@@ -81,14 +81,6 @@ def answer(port, content):
         return got
 
 
-def entered(url):
-    """The path of a new page, as the printed address leads to it."""
-    address, _, key = url.partition("#")
-    request = urllib.request.Request(address, key.encode(), {"Origin": address.rstrip("/")})
-    with urllib.request.urlopen(request) as answer:
-        return f"/{answer.read().decode()}/"
-
-
 def upgrade(path, port, origin):
     return (
         f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: {origin}\r\nUpgrade: websocket\r\n"
@@ -102,7 +94,7 @@ def test_no_port_of_the_program_answers_whoever_has_no_token(start, tmp_path):
     ports = listening_ports(program.process.pid)
     assert ports == {program.port}
     own = f"http://127.0.0.1:{program.port}"
-    path = entered(program.url)
+    path = urlsplit(entered(program.url)).path
     chance = random.Random(1)
     upgraded = [
         upgrade(f"{folder}{name}", program.port, origin)

@@ -3,6 +3,7 @@
 import base64
 import io
 import json
+import os
 import subprocess
 import sys
 from math import asin, sin, sqrt, tan
@@ -18,7 +19,14 @@ SPHERE = """<robot name="ball"><link name="ball">
 
 def drawn(file):
     """What the process that draws a robot prints."""
-    program = [sys.executable, "-m", "drake_twin.cockpit.robot_picture", str(file), json.dumps([{}, []])]
+    program = [
+        sys.executable,
+        "-m",
+        "drake_twin.cockpit.robot_picture",
+        str(os.getpid()),
+        str(file),
+        json.dumps([{}, []]),
+    ]
     return subprocess.run(program, capture_output=True, text=True, check=False)
 
 

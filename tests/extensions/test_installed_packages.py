@@ -10,6 +10,7 @@ from pathlib import Path
 from urllib.request import urlopen
 
 import pytest
+from entered_page import entered
 
 FOLDER = Path(__file__).parent
 STONE = """<robot name="stone"><link name="stone"><inertial><mass value="{mass}"/>
@@ -172,7 +173,7 @@ def test_a_panel(packages):
     with subprocess.Popen(**options, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
         try:
             url = program.stdout.readline().removeprefix("page: ").strip()
-            with urlopen(f"{url.rpartition('/')[0]}/files/panel_horn.js") as script:
+            with urlopen(f"{entered(url)}files/panel_horn.js") as script:
                 text = script.read().decode()
                 assert text.startswith("\nexport default")
                 assert f'"""{text}"""' in (FOLDER / "horn_panel.py").read_text()
