@@ -226,6 +226,8 @@ class Turns:
             if exceeded:
                 task.end(Abandoned, at_once=True)
                 what = f"it has computed for {now - start:.0f} s without a spin or a sleep, and is ended"
+                if worked <= self._patience:
+                    what = "it was neither in a spin nor in a sleep when the run was stopped, and is ended"
                 self._watcher.exceeded(task, self._too_much_memory if is_too_large else what)
             else:
                 task.blocked_at = task.place()
