@@ -12,11 +12,12 @@ What was lost is said on standard output, and the exit code is 1.
 """
 
 import contextlib
+import io
 import json
 import struct
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, cast
 
 from drake_twin.errors import RunError
 from drake_twin.python_process import ignore_stops
@@ -33,8 +34,11 @@ _DISTRIBUTION = "jazzy"
 def main() -> int:
     """Write what comes on standard input into the folder that the command line names; return the exit code."""
     ignore_stops()  # the pipe's end ends it
+    records = cast(io.BufferedReader, sys.stdin.buffer)
+    if not records.peek(1):  # the twin was stopped before it was built
+        return 0
     try:
-        write_bag(sys.argv[1], sys.stdin.buffer)
+        write_bag(sys.argv[1], records)
     except (OSError, RunError) as error:
         said = f"{getattr(error, 'strerror', None) or error}"
         try:

@@ -65,10 +65,11 @@ class Outbox:
         self._queue.put(act)
 
     def flush(self) -> None:
-        """Wait until the pending messages are sent."""
-        sent = Event()
-        self.then(sent.set)
-        sent.wait()
+        """Wait until the pending messages are sent, as they are once it is closed."""
+        if self._thread.is_alive():
+            sent = Event()
+            self.then(sent.set)
+            sent.wait()
 
     def close(self) -> None:
         """Send the pending messages, and end the thread."""

@@ -211,6 +211,7 @@ class Seam:
     def _forget(self, topic: OfferedTopic) -> None:
         if topic.end is not None:
             topic.end()
+            self._outbox.flush()  # its last messages
         for sender in topic.senders:
             sender.close()
 

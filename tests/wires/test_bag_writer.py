@@ -90,3 +90,9 @@ def test_its_process_writes_a_bag_of_the_distribution_whose_messages_it_has(tmp_
     assert "ros_distro: jazzy\n" in (tmp_path / "bag" / "metadata.yaml").read_text()
     again = subprocess.run(words, input=stream, timeout=60, stdout=subprocess.PIPE, text=False)
     assert (again.returncode, again.stdout.decode()) == (1, f"{words[-1]} exists\n")
+
+
+def test_a_twin_that_ends_before_it_is_built_leaves_no_bag(tmp_path):
+    program = [sys.executable, "-m", "drake_twin.wires.bag_writer", str(tmp_path / "bag")]
+    assert subprocess.run(program, input=b"", check=False).returncode == 0
+    assert list(tmp_path.iterdir()) == []

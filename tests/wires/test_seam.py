@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from local_wire import LocalEnd, LocalWire
 from rosbags.typesys import Stores, get_typestore
+from waiting import until
 
 from drake_twin import InputError, Robot, messages
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
@@ -50,6 +51,29 @@ def test_nobody_listens_and_nothing_is_sent(wired):
     assert {name for name, sender in wire.senders.items() if sender.sent} == latched - {"/rosout"}  # nobody has logged
     assert "/robot_1/robot_description" in wire.senders
     assert wire.is_closed
+
+
+def test_the_last_messages_of_a_robot_that_is_deleted_are_sent(wired):
+    """The thread that sends is busy until the robot is gone."""
+    twin, wire, seam = wired
+    sent = wire.hear("/robot_2/joint_states")
+    busy = threading.Event()
+    seam._outbox.then(busy.wait)
+    twin.advance_to(0.1)
+    sender = wire.senders["/robot_2/joint_states"]
+    at_end = []
+    sender.close = lambda: at_end.append(len(sent))
+
+    def go_on():
+        until(lambda: "robot_2" not in twin.robots)
+        busy.set()
+
+    thread = threading.Thread(target=go_on)
+    thread.start()
+    twin.entities.delete("robot_2")
+    twin.advance_to(0.2)
+    thread.join()
+    assert at_end == [len(sent)] == [10]
 
 
 def test_messages_are_made_in_the_senders_thread_only(wired, monkeypatch):
