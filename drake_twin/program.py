@@ -7,6 +7,7 @@ import gc
 import logging
 import os
 import signal
+import stat
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -18,7 +19,7 @@ from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.extensions import place_of_others
 from drake_twin.requirements import imports_explained
 
-_NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # of files; a pipe or a terminal that is closed is the reader's wish
+_NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # other errors of a pipe or a terminal are the wish of its reader
 _lost_output: list[str] = []  # why a part of standard output is lost
 
 PATIENCE = 2.0  # s from a signal on, in which a program ends by itself
@@ -231,10 +232,17 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
         stream.write(text + end)
         stream.flush()
     except (OSError, ValueError) as error:
-        if stream is sys.stdout and getattr(error, "errno", None) in _NOT_WRITTEN:
-            _lost_output[:] = [getattr(error, "strerror", "")]
+        if stream is sys.stdout and isinstance(error, OSError) and _is_loss(error, stream):
+            _lost_output[:] = [error.strerror or ""]
         with contextlib.suppress(OSError, ValueError):  # discard what the interpreter flushes at its end
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _is_loss(error: OSError, stream: TextIO) -> bool:
+    """Return whether an error has lost what was to be kept: any of a file, that of a full disk anywhere."""
+    with contextlib.suppress(OSError, ValueError):
+        return error.errno in _NOT_WRITTEN or stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+    return False
 
 
 def write_each(writers: Iterable[Callable[[], None]], failure: RunError | None = None) -> RunError | None:

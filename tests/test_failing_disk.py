@@ -8,7 +8,7 @@ from faults import JOBS, KILLED, FaultyRuns, compiled, error_name, moments, prep
 MOMENTS = {  # job: number of the call, error, whether it lasts, whether files are replaced
     "summary": [(1, errno.ENOSPC, True, True), (2, errno.EIO, False, False), (4, KILLED, False, True)],
     "state": [(1, errno.EPERM, False, True), (3, errno.EROFS, True, False)],
-    "scenario": [(1, errno.ENOSPC, True, False)],
+    "scenario": [(1, errno.ENOSPC, True, False), (1, errno.EIO, True, False)],  # on standard output
 }
 
 
