@@ -12,6 +12,7 @@ from drake_twin.progress import heard
 
 _PERIOD = 0.2  # s between two updates
 _LONG = 2.0  # s, after which a step is said where no terminal shows it
+_SILENCE = 10.0  # s, after which one of many short steps is said there
 _PATIENCE = 0.3  # s from a signal on, within which a twin is still built, so that it writes its summary
 
 
@@ -80,13 +81,13 @@ class _Steps:
 
     def __init__(self, *, is_shown: bool):
         self._is_shown, self._stream = is_shown, sys.stderr  # which xacro has redirected meanwhile
-        self._step, self._said, self._is_over = "", "", threading.Event()
+        self._step, self._since, self._is_over = "", time.perf_counter(), threading.Event()
         self._thread = threading.Thread(target=self._say, name="build_line", daemon=True)
         self._thread.start()
 
     def begin(self, what: str) -> None:
         """Begin the next step."""
-        self._step = what
+        self._step, self._since = what, time.perf_counter()
 
     def end(self) -> None:
         """Clear the line, and say nothing more."""
@@ -96,9 +97,12 @@ class _Steps:
             say("\r\033[K", self._stream, end="")
 
     def _say(self) -> None:
-        while not self._is_over.wait(_PERIOD if self._is_shown else _LONG):
-            if self._step == self._said:
+        said, spoken = "", time.perf_counter()
+        while not self._is_over.wait(_PERIOD):
+            step, now = self._step, time.perf_counter()
+            is_due = self._is_shown or now - self._since > _LONG or now - spoken > _SILENCE
+            if step == said or not is_due:
                 continue
-            self._said = self._step
+            said, spoken = step, now
             before, end = ("\r\033[K", "") if self._is_shown else ("", "\n")
-            say(f"{before}{self._said} …", self._stream, end=end)
+            say(f"{before}{said} …", self._stream, end=end)

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import itertools
 
 import pytest
 from waiting import until
@@ -37,3 +38,13 @@ def test_what_is_short_says_nothing(monkeypatch):
     with build_line.build_line(()):
         tell("reading small.stl")
     assert said.getvalue() == ""
+
+
+def test_of_many_short_steps_one_is_said_after_a_silence(monkeypatch):
+    said = io.StringIO()
+    monkeypatch.setattr("sys.stderr", said)
+    monkeypatch.setattr(build_line, "_PERIOD", 0.01)
+    monkeypatch.setattr(build_line, "_SILENCE", 0.01)
+    numbers = itertools.count()
+    with build_line.build_line(()):
+        until(lambda: tell(f"reading robot_{next(numbers)}") or "reading robot_" in said.getvalue())
