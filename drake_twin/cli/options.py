@@ -78,7 +78,7 @@ def _add_robots(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
     group.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
     add_repeated(group, "--package-path", "DIR", "a folder of ROS packages to look in first")
-    group.add_argument("--workspace", metavar="DIR", help="a colcon workspace to look for packages in first")
+    add_repeated(group, "--workspace", "DIR", "a colcon workspace to look for packages in first, over those after it")
     group.add_argument(
         "--pub",
         nargs=2,

@@ -191,10 +191,10 @@ def build_twin(target: Target) -> Twin:
 def package_paths(options: argparse.Namespace) -> list[str]:
     """Return the package folders that the command line names."""
     folders = [absolute_path(folder) for folder in options.package_path]
-    if options.workspace is not None:
+    if options.workspace:
         from drake_twin.description.package_index import workspace_folders
 
-        folders += map(str, workspace_folders(options.workspace))
+        folders += [str(folder) for workspace in options.workspace for folder in workspace_folders(workspace)]
     return folders
 
 

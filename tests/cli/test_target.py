@@ -83,6 +83,17 @@ def test_the_present_workspace_comes_before_the_twins_own_packages(workspace, in
     assert Path(printed.removeprefix("launch file: ")).samefile(own / "launch" / "gazebo.launch.xml")
 
 
+def test_a_workspace_lies_over_those_after_it(workspace, tmp_path_factory):
+    other = tmp_path_factory.mktemp("other") / "src" / "my_bringup"
+    other.mkdir(parents=True)
+    (other / "package.xml").write_text("<package format='3'><name>my_bringup</name></package>")
+    words = ("my_bringup", "arm.launch.xml", "--workspace")
+    over = target(*words, workspace, "--workspace", other.parents[1])
+    assert [robot.name for robot in over.scenario.robots] == ["arduinobot"]
+    with pytest.raises(InputError, match="has no launch file"):
+        target(*words, other.parents[1], "--workspace", workspace)
+
+
 def test_a_package_as_the_workspace(workspace, monkeypatch):
     monkeypatch.chdir(workspace / "src" / "group" / "my_bringup")
     found = target("my_bringup", "arm.launch.xml", "--workspace", ".")
