@@ -30,6 +30,7 @@ from drake_twin.scenario import POINT
 _ROUND = (Sphere, Capsule, Ellipsoid)
 _LEAST_MASS = 1e-3  # kg
 _THINNEST = 1e-6  # m
+_LEAST = 1e-100  # m, whose square is not zero
 
 # What is thinner is pressed out on the wrong side where a corner has passed its middle in a step (m).
 _THICK = 0.05
@@ -124,12 +125,10 @@ class ContactShape:
 def extent_of(shape: Shape) -> np.ndarray:
     """Return the side lengths of the box around a box, a cylinder or a hull, in its frame (m)."""
     if isinstance(shape, Box):
-        size = np.array(shape.size())
-    elif isinstance(shape, Cylinder):
-        size = np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
-    else:
-        size = np.ptp(corners_of(shape.GetConvexHull()), axis=0)
-    return np.asarray(np.maximum(size, _THINNEST))
+        return np.asarray(np.maximum(shape.size(), _LEAST))
+    if isinstance(shape, Cylinder):
+        return np.asarray(np.maximum([2 * shape.radius(), 2 * shape.radius(), shape.length()], _LEAST))
+    return np.asarray(np.maximum(np.ptp(corners_of(shape.GetConvexHull()), axis=0), _THINNEST))
 
 
 def reach_of(shape: Shape, direction: np.ndarray) -> float:
