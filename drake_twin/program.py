@@ -17,6 +17,7 @@ from typing import Any, NoReturn, TextIO
 
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.extensions import place_of_others
+from drake_twin.python_process import STOPS
 from drake_twin.requirements import imports_explained
 
 _NOT_WRITTEN = (ENOSPC, EDQUOT, EFBIG)  # other errors of a pipe or a terminal are the wish of its reader
@@ -289,7 +290,7 @@ def stop_signals() -> Iterator[list[int]]:
             os.kill(os.getpid(), number)
 
     number: int
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in STOPS:
         if number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN:
             continue
         with contextlib.suppress(ValueError):  # only the main thread may handle signals

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterator
 
 _VARIABLE, _OURS = "PYTHONSAFEPATH", "drake_twin"
-_STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux's prctl
 
 
@@ -48,7 +48,7 @@ def end_module_search() -> None:
 @contextlib.contextmanager
 def stops_held_back() -> Iterator[None]:
     """Let a process that is started here get no signal that stops a program until it calls `ignore_stops`."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
     try:
         yield
     finally:
@@ -57,9 +57,9 @@ def stops_held_back() -> Iterator[None]:
 
 def ignore_stops() -> None:
     """Ignore the signals that stop a program, in a process that the twin ends."""
-    for number in _STOPS:
+    for number in STOPS:
         signal.signal(number, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
 
 
 def die_with(parent: int) -> None:

@@ -50,11 +50,8 @@ def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _farthest(corners: np.ndarray) -> np.ndarray:
     """Return the corners that reach farthest in some direction, which are 0.03 rad apart: a fine ball has very many."""
-    index = np.arange(_DIRECTIONS) + 0.5
-    height, turn = (
-        1 - 2 * index / _DIRECTIONS,
-        np.pi * (1 + 5**0.5) * index,
-    )  # on a Fibonacci spiral around the unit ball
+    index = np.arange(_DIRECTIONS) + 0.5  # on a Fibonacci spiral around the unit ball
+    height, turn = 1 - 2 * index / _DIRECTIONS, np.pi * (1 + 5**0.5) * index
     radius = np.sqrt(1 - height**2)
     directions = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
     directions = np.concatenate([directions, np.eye(3), -np.eye(3)])  # the box around it stays as it is
