@@ -324,6 +324,7 @@ class Seam:
                 self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
             if not isinstance(fields, Generator):
                 self._reply(service, fields, reply)
+                self._tell_news()  # a goal that ends within a frame has been seen to execute, too
                 return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))

@@ -16,6 +16,7 @@ import pytest
 from browser import BROWSER_TESTS, browser, opened, orange_bodies, picture
 from conftest import rovers
 from robots_to_steer import WHEELS_1
+from wires.zenoh_peer import free_port
 
 import drake_twin
 from drake_twin.cockpit import protocol
@@ -41,7 +42,7 @@ def ask(page, *requests):
 
 
 def test_it_prints_an_address_of_this_machine_with_a_key(twin, capsys):
-    with drake_twin.show(twin) as page:
+    with drake_twin.show(twin, port=free_port()) as page:
         assert capsys.readouterr().out == f"page: {page.url}\n"
         assert page.url.startswith("http://127.0.0.1:")
         assert repr(page) == f"TwinPage('{page.url}')"
@@ -137,7 +138,7 @@ def test_two_twins_have_pages_of_their_own(twin, page):
 
 
 def test_a_deleted_twin_takes_its_page_with_it(capsys):
-    url = drake_twin.show(rovers(1).build()).url
+    url = drake_twin.show(rovers(1).build(), port=free_port()).url  # no other test's page takes it meanwhile
     gc.collect()
     with pytest.raises(urllib.error.URLError):
         urllib.request.urlopen(url)

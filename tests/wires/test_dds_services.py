@@ -48,6 +48,10 @@ def wire_of(twin):
     return twin.inbox.looks[0].__self__._wires[0]
 
 
+def is_heard(twin, topic):
+    return any(sender.is_heard for sender in wire_of(twin)._senders if sender.topic.name == topic)
+
+
 def test_names_and_user_data():
     """As in ROS 2's "Topic and Service name mapping to DDS", and rmw_cyclonedds_cpp's csid_to_string."""
     assert request_topic("/robot_1/controller_manager/list_controllers") == (
@@ -158,6 +162,7 @@ def test_an_action_from_its_goal_to_its_result(twin):
             peer.client("send", f"{STEPS}/send_goal", "SendGoal")
             peer.client("result", f"{STEPS}/get_result", "GetResult")
             peer.subscribe(f"{STEPS}/feedback", "FeedbackMessage")
+            until(lambda: is_heard(twin, f"{STEPS}/feedback"))  # the twin's writer knows the reader later than this
             sent = peer.call("send", number, [400])
             result = peer.call("result", number)
             return sent, result, peer.heard(f"{STEPS}/feedback")
