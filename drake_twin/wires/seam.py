@@ -209,10 +209,10 @@ class Seam:
             topic.end = None
 
     def _forget(self, topics: Sequence[OfferedTopic]) -> None:
-        heard = [topic for topic in topics if topic.end is not None]
-        for topic in heard:
-            topic.end()
-        if heard:
+        ends = [topic.end for topic in topics if topic.end is not None]
+        for end in ends:
+            end()
+        if ends:
             self._outbox.flush()  # their last messages
         for topic in topics:
             for sender in topic.senders:
