@@ -6,6 +6,7 @@ import logging
 from html import escape
 
 from browser import BROWSER_TESTS, browser, folder, show
+from show_menu import press
 
 from drake_twin import TwinBuilder
 
@@ -40,7 +41,7 @@ def test_markup_in_names_is_not_interpreted(show, tmp_path):
     for key in ("ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown"):
         rows.first.press(key) if key == "ArrowRight" else tab.keyboard.press(key)
         it.for_frames(3)
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     folder(tab, "made").get_by_title(f"Plot {'hinge ' + EVIL}").first.click()
     it.for_frames(20)
     assert EVIL in tab.locator("#panel").inner_text()

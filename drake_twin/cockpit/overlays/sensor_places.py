@@ -16,7 +16,7 @@ _RAYS = 13  # of a row that are drawn
 _COLOR = (0.98, 0.75, 0.15)
 
 
-@overlay("sensors", "Sensors' views", "The frustums of cameras and the fans of lidars, as the files describe them")
+@overlay("sensors", "Sensors' views", "The frustums of cameras and the fans of lidars, as the files describe them", "B")
 class SensorPlaces:
     """Lines for each camera and lidar, which move with their links."""
 
