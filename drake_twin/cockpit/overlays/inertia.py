@@ -20,7 +20,7 @@ class Inertia(BodyShapes):
     """A solid ellipsoid of uniform density for each body with mass, with the moments of inertia of the body."""
 
     def __init__(self, scene: Scene, twin: Twin):
-        super().__init__(scene, twin, f"{OVERLAYS}/inertia", _shapes(twin))
+        super().__init__(scene, twin, f"{OVERLAYS}/inertia", _shapes(twin), on_top=True)
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:
