@@ -12,7 +12,7 @@ from drake_twin.cockpit.overlays.contact_forces import _forces
 from drake_twin.cockpit.overlays.frames import _in_world, _transforms
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 
-NEED_MORE = ("sensors",)  # than a rover that stands has
+NEED_MORE = ("sensors", "tracks", "goals")  # than a rover that stands has
 
 
 class Drawn:
