@@ -16,7 +16,7 @@ from pydrake.math import RigidTransform
 from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
 from drake_twin.shared_viewer.meshcat_protocol import Command, delete, set_object, set_property, set_transform
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene, place_of_robots
-from drake_twin.shared_viewer.three_js import lines_object, points_object, three_js_object
+from drake_twin.shared_viewer.three_js import ghost_object, lines_object, points_object, three_js_object
 from drake_twin.twin.twin import Twin
 
 TWIN = "/twin"  # the path of the twin's bodies
@@ -130,6 +130,10 @@ class Scene:
         Each end may have its color; `on_top` draws them over what hides them.
         """
         self._send([set_object(path, lines_object(path, ends, color, **(_ON_TOP if on_top else {})))])
+
+    def set_ghost(self, path: str, body: str, color: tuple[float, float, float]) -> None:
+        """Draw a translucent copy of a body, by its path below the twin's, at a path; the browser has its geometry."""
+        self._send([set_object(path, ghost_object(path, body, color))])
 
     def set_transform(self, path: str, X_PF: RigidTransform | np.ndarray) -> None:
         """Set the pose of a path F, and of all below it, in its parent P; a 4x4 matrix may scale it, too."""

@@ -92,6 +92,19 @@ def lines_object(
     return _Writer(path).vertices("LineSegments", ends, {"type": "LineBasicMaterial", **material}, color)
 
 
+def ghost_object(path: str, body: str, color: tuple[float, float, float]) -> dict[str, Any]:
+    """Return an empty object of three.js, which a page fills with a translucent copy of what is drawn of a body.
+
+    Args:
+        path: Its path in the scene.
+        body: The path of the body.
+        color: Its color: red, green, blue.
+    """
+    document = _Writer(path).document([], np.eye(4))
+    document["object"]["userData"] = {"copyOf": body, "color": list(color)}
+    return document
+
+
 def _primitives(shape: Shape) -> list[tuple[dict[str, Any], np.ndarray]]:
     """Return the geometries of a shape, each with its matrix in the shape's frame."""
     match shape:

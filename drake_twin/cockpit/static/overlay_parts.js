@@ -2,6 +2,7 @@
 
 const { THREE } = MeshCat;
 const THICK = 2.5; // CSS pixels of a line
+const GHOST = 0.4; // opacity
 const isOverlay = ([root]) => root === "overlays";
 
 // Move …/on/MODEL/BODY with what is drawn of that body: no pose is sent for it.
@@ -83,8 +84,52 @@ function thicken(lines) {
   material.dispose();
 }
 
+// Copies of what is drawn of bodies, one material for each color; they are filled again when anything is drawn anew.
+const ghosts = new Set();
+const tints = new Map();
+let areStale = false;
+
+function tintOf(color) {
+  const key = String(color);
+  if (!tints.has(key)) {
+    const tint = new THREE.MeshLambertMaterial({ color: new THREE.Color(...color), transparent: true, opacity: GHOST, depthWrite: false });
+    tint.dispose = () => {}; // others are drawn with it
+    tints.set(key, tint);
+  }
+  return tints.get(key);
+}
+
+function fillGhosts() {
+  if (!areStale) return;
+  areStale = false;
+  for (const ghost of ghosts) {
+    if (!isInScene(ghost)) {
+      ghosts.delete(ghost);
+      continue;
+    }
+    ghost.clear();
+    const drawn = window.sceneTools.object(ghost.userData.copyOf);
+    for (const child of drawn?.children ?? []) ghost.add(child.clone());
+    ghost.traverse((part) => {
+      if (!part.isMesh) return;
+      part.material = tintOf(ghost.userData.color);
+      part.castShadow = part.receiveShadow = false;
+    });
+  }
+}
+
+function isInScene(object) {
+  for (let each = object; each; each = each.parent) if (each === viewer.scene) return true;
+  return false;
+}
+
 const { set_object: setObject, render } = viewer;
 viewer.set_object = function (path, object, ...more) {
+  if (path[0] === "twin") areStale = ghosts.size > 0;
+  if (isOverlay(path) && object.userData?.copyOf) {
+    ghosts.add(object);
+    areStale = true;
+  }
   if (isOverlay(path) && object.isObject3D) {
     const found = [];
     object.traverse((part) => part.isLineSegments && found.push(part));
@@ -95,6 +140,7 @@ viewer.set_object = function (path, object, ...more) {
 
 viewer.render = function (...given) {
   follow();
+  fillGhosts();
   const { width, height } = viewer.renderer.getDrawingBufferSize(new THREE.Vector2());
   size.value.set(width, height).divideScalar(THICK * viewer.renderer.getPixelRatio());
   return render.apply(this, given);
