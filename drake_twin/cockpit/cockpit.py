@@ -319,6 +319,7 @@ class Cockpit:
             raise known.unknown(name)
         if on and name not in self._overlays:
             self._overlays[name] = make_overlay(known[name], self._scene, self._twin)
+            self._timeline.tell(self._overlays[name])
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
 

@@ -5,6 +5,7 @@
 import numpy as np
 from browser import BROWSER_TESTS, browser, changed, open_tab, picture, show
 from seeing_robot import seeing
+from show_menu import press
 
 from drake_twin import messages
 from drake_twin.cockpit.scene import OVERLAYS
@@ -60,7 +61,6 @@ def test_the_views_of_sensors_are_lines(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
     it.twin.pause()
     before = picture(tab)
-    open_tab(tab, "View")
-    tab.get_by_label("Sensors' views").click(force=True)
+    press(tab, "Sensors' views")
     it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/sensors"))
     it.frames(lambda: changed(before, picture(tab)) > 100, most=200)
