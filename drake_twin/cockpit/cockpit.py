@@ -53,6 +53,7 @@ class Cockpit:
 
     Attributes:
         sensors: The sensors that the page shows.
+        panels: The Python halves of its panels by name.
     """
 
     def __init__(
@@ -82,9 +83,9 @@ class Cockpit:
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
-        self._panels: dict[str, Panel] = {}
+        self.panels: dict[str, Panel] = {}
         for name, panel in PANEL_KINDS.items():
-            self._panels[name] = make_panel(panel, twin)
+            self.panels[name] = make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         self.sensors = SensorView(twin, scene, server.send_bytes)
@@ -155,6 +156,8 @@ class Cockpit:
         self._timeline.note(frame)
         for overlay in self._overlays.values():
             overlay.draw()
+        for panel in self.panels.values():
+            getattr(panel, "draw", lambda _: None)(self._scene)
         self._camera.draw(self._twin)
 
     def _follow_robots(self) -> None:
@@ -323,16 +326,16 @@ class Cockpit:
             self._overlays.pop(name).remove()
 
     def _ask_panel(self, name: str, data: str) -> None:
-        if name not in self._panels:
-            raise InputError(f"unknown panel {name!r}", value=name, valid=self._panels)
+        if name not in self.panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
         try:
             value = json.loads(data)
         except (ValueError, RecursionError):
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
-        self._panels[name].ask(value)
+        self.panels[name].ask(value)
 
     def _watch_panels(self, is_watched: bool) -> None:
-        for panel in self._panels.values():
+        for panel in self.panels.values():
             getattr(panel, "watch", lambda _: None)(is_watched)
 
     def _record(self, on: bool) -> None:
@@ -383,7 +386,7 @@ class Cockpit:
             "recording": self._recording is not None,
             "recordings": self._recordings,
             "sensors": self.sensors.state(),
-            "panels": {name: data for name, item in self._panels.items() if (data := item.state()) is not NO_STATE},
+            "panels": {name: data for name, item in self.panels.items() if (data := item.state()) is not NO_STATE},
         }
         present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
         self._efforts_left -= 1

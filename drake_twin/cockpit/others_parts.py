@@ -45,6 +45,9 @@ class _OthersPanel:
     def watch(self, is_watched: bool) -> None:
         self._code.run(getattr(self._panel, "watch", lambda _: None), is_watched)
 
+    def draw(self, scene: Scene) -> None:
+        self._code.run(getattr(self._panel, "draw", lambda _: None), scene)
+
 
 class _OthersOverlay:
     def __init__(self, kind: OverlayKind, scene: Scene, twin: Twin):
