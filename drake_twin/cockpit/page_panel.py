@@ -14,7 +14,7 @@ from drake_twin.twin.owner import Owned
 from drake_twin.twin.twin import Twin
 
 _LONGEST_LABEL = 100  # characters
-_COLOR = (0.95, 0.45, 0.10)
+_COLOR = (0.14, 0.42, 0.85)
 
 PanelMaker = Callable[["PagePanel", Twin], object]
 _M = TypeVar("_M", bound=PanelMaker)

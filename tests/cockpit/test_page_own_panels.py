@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 from browser import BROWSER_TESTS, browser, changed, picture, show
 from conftest import rovers
+from docs.draw_panel import saved
 from robots_to_steer import WHEELS_1
 from test_page_accessibility import RUN, axe, looks
+
+from drake_twin.cli.plugins import load_panels
+from drake_twin.cockpit.page_panel import PAGE_PANELS
 
 pytestmark = BROWSER_TESTS
 
@@ -104,9 +108,17 @@ def test_two_tabs_show_the_same_values_and_those_that_the_program_sets(shown):
     assert heard == [("width", 0.08), ("gait", "trot")]
 
 
+def test_a_marker_is_drawn_in_the_scene(shown):
+    it, tab, add = shown
+    it.twin.pause()
+    before = picture(tab)
+    add("Gripper").marker("goal", (0, 0, 1), size=0.5, color=(0.1, 0.2, 0.9))
+    it.frames(lambda: it.scene.has_path("/overlays/own"))
+    it.frames(lambda: changed(before, picture(tab)) > 100, most=200)
+
+
 def test_plots_tables_images_and_markers_are_shown_and_follow_robots(shown):
     it, tab, add = shown
-    before = picture(tab)
     panel = add("Gripper")
     fill(panel, it.twin, [])
     plot, table, image = (tab.locator(f".own {what}") for what in (".plot .legend output", "tbody", "img"))
@@ -117,7 +129,6 @@ def test_plots_tables_images_and_markers_are_shown_and_follow_robots(shown):
     assert base64.b64decode(sent).startswith(b"\x89PNG")
     assert image.evaluate("image => [image.naturalWidth, image.naturalHeight]") == [30, 20]
     it.frames(lambda: it.scene.has_path("/overlays/own"))
-    it.frames(lambda: changed(before, picture(tab)) > 100, most=200)
     robot = it.twin.scenario.robots[0]
     it.twin.entities.delete("robot_1")
     it.frames(lambda: [row.split("\t")[0] for row in table.inner_text().splitlines()] == ["robot_2"])
@@ -217,3 +228,23 @@ def test_it_breaks_no_rule_of_accessibility(shown, axe, scheme, size):
     tab.evaluate(axe)
     assert tab.evaluate(RUN) == []
     assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_the_panel_of_the_documentation_drives_its_rover(show, tmp_path, monkeypatch):
+    monkeypatch.setattr(PAGE_PANELS, "_kinds", PAGE_PANELS._kinds.new_child())
+    load_panels([saved(tmp_path)])
+    it, tab = show(rovers(1).scenario())
+    section = tab.get_by_role("region", name="Rover")
+    it.frames(lambda: section.locator("img:visible, tbody td").count() == 5)
+    section.get_by_role("slider", name="speed").press("End")
+    it.frames(lambda: it.twin.robot_state("robot_1").base_pose[0] > 0.05)
+    section.get_by_role("button", name="Stop").press("Enter")
+    it.frames(lambda: section.get_by_label("speed, number").input_value() == "0.0")
+    it.frames(lambda: np.abs(it.twin.joint_states("robot_1").velocity).max() < 1e-3)
+    section.get_by_label("goal at x").fill("1")
+    section.get_by_label("goal at x").press("Enter")
+    distance = section.locator(".plot output")
+    x, y, z = it.twin.robot_state("robot_1").base_pose[:3]
+    there = np.linalg.norm([x - 1.0, y - 1.0, z - 0.15])
+    it.frames(lambda: float(distance.inner_text()) == pytest.approx(there, abs=1e-2))
+    assert section.locator(".refusal:visible").count() == 0
