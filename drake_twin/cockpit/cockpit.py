@@ -12,7 +12,7 @@ from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
+from drake_twin.cockpit.others_parts import NO_STATE, draw_panels, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
@@ -111,7 +111,7 @@ class Cockpit:
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
-        self._watch_panels(False)
+        watch_panels(self.panels, False)
         self._camera.follow("", self._twin)
 
     def process_requests(self, *, in_callback: bool = False) -> None:
@@ -156,8 +156,7 @@ class Cockpit:
         self._timeline.note(frame)
         for overlay in self._overlays.values():
             overlay.draw()
-        for panel in self.panels.values():
-            getattr(panel, "draw", lambda _: None)(self._scene)
+        draw_panels(self.panels, self._scene)
         self._camera.draw(self._twin)
 
     def _follow_robots(self) -> None:
@@ -194,6 +193,8 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+            case protocol.ColorSensor(sensor, by):
+                self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
                 self._efforts_left = _PATIENCE
             case protocol.Follow(robot):
@@ -334,10 +335,6 @@ class Cockpit:
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
         self.panels[name].ask(value)
 
-    def _watch_panels(self, is_watched: bool) -> None:
-        for panel in self.panels.values():
-            getattr(panel, "watch", lambda _: None)(is_watched)
-
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
             self._recording = HtmlRecording(self._scene, self._twin)
@@ -352,7 +349,7 @@ class Cockpit:
         if bool(clients) != bool(self._clients):
             (self._twin.inbox.open if clients else self._twin.inbox.close)(urgent=False)
             self.sensors.watch(bool(clients))
-            self._watch_panels(bool(clients))
+            watch_panels(self.panels, bool(clients))
             if self._player is None and not self._only_displayed:
                 self._timeline.watch(bool(clients))
         newcomers, self._clients = clients - self._clients, clients
