@@ -25,7 +25,7 @@ _KINDS = {
     ".webm": _Kind(
         "webm", "libvpx-vp9", "yuv420p", {"crf": "30", "b": "0", "deadline": "good", "cpu-used": "5", **_ONE_THREAD}
     ),
-    ".webp": _Kind("webp", "libwebp_anim", "yuv420p", {"quality": "75", **_ONE_THREAD}, {"loop": "0"}),
+    ".webp": _Kind("webp", "libwebp_anim", "yuv420p", {"quality": "82", **_ONE_THREAD}, {"loop": "0"}),
 }
 
 

@@ -40,6 +40,7 @@ def test_the_controller_that_contributors_are_shown_has_forty_lines():
 DRAWN_BY = {
     "diagrams/two_rovers.png": "tests/docs/draw_page.py",
     "diagrams/two_rovers.svg": "drake_twin/diagram/picture.py",  # python -m drake_twin.run FILE --graphviz PICTURE
+    "drake_twin/docs/rovers_and_arm.webp": "tests/docs/draw_page.py",
     "drake_twin/docs/benchmarks_robots.svg": "drake_twin/benchmarks/plots.py",  # python -m drake_twin.benchmarks
     "drake_twin/docs/benchmarks_precision.svg": "drake_twin/benchmarks/plots.py",
 }
