@@ -39,6 +39,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--package-path", action="append", default=[], metavar="DIR", help="a folder of ROS packages")
     parser.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    parser.add_argument("--loop", action="store_true", help="begin again where the bag ends")
     parser.add_argument("--end", action="store_true", help="end the program where the bag ends")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
     add_version(parser)
@@ -70,7 +71,7 @@ def _play(bag: "Bag", package_paths: tuple[str, ...], options: argparse.Namespac
         scenario, robots = recorded_scenario(bag, package_paths)
         twin = Twin(scenario)
         player = BagPlayer(bag, twin, robots)
-    player.rate = options.rate
+    player.rate, player.loop = options.rate, options.loop
     for kind, sentence in grouped(player.findings):
         say(f"{kind}: {sentence}", sys.stderr)
     page = ServedPage(options.port)

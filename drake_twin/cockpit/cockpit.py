@@ -148,7 +148,7 @@ class Cockpit:
 
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown."""
-        if self._timeline.draw():
+        if self._timeline.draw(wall_clock.perf_counter()):
             return
         frame = self._scene.frame(self._twin)
         self._scene.show(frame)
@@ -221,10 +221,8 @@ class Cockpit:
                 twin.reset()
                 self._commands.forget()
                 self._teleop.forget()
-            case protocol.Look(time):
-                self._timeline.look(time)
-            case protocol.LookAtNow():
-                self._timeline.look_at_now()
+            case protocol.Look() | protocol.LookBy() | protocol.Replay() | protocol.Loop() | protocol.LookAtNow():
+                self._timeline.do(request)
             case protocol.GoOnFrom(time):
                 self._go_on_from(time)
             case protocol.SetRate(rate):

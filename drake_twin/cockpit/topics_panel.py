@@ -121,6 +121,7 @@ class TopicsPanel:
             "echoes": {topic: self._echo(topic) for topic in {look.echo for look in looks if look.echo}},
             "batches": self._next_batches(),
             "problems": self._problems(),
+            "units": self._units(),
             "outcome": self._outcome,
             "frames": self._frames() if self._need_frames(looks) else None,
             "diagram": self._drawn.popleft() if self._drawn else None,
@@ -233,6 +234,15 @@ class TopicsPanel:
                 for items in heard.pending.values():
                     items.clear()
         return list(self._batches)
+
+    def _units(self) -> dict[str, str]:
+        """Return the units of the curves that have one, by their paths."""
+        return {
+            f"{topic}.{name}": unit
+            for topic, heard in self._heard.items()
+            for name, unit in heard.units.items()
+            if unit
+        }
 
     def _problems(self) -> dict[str, str]:
         """Return why curves have no samples, by their paths."""

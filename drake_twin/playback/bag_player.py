@@ -35,6 +35,7 @@ class BagPlayer:
         time: The present moment (s since the bag's start).
         paused: Whether time stands still.
         rate: Seconds of the bag per second of wall time.
+        loop: Whether it begins again where it ends.
         findings: What became of the robots' shapes and joints; their masses and contacts do not matter here.
         unplaced: The robots that no transform has placed, each with the link that it would place.
     """
@@ -45,7 +46,7 @@ class BagPlayer:
         self._said: set[str] = set()
         self.findings = tuple(item for item in twin.findings if item.rule and item.rule not in _OF_PHYSICS)
         self._stop_at: float | None = None
-        self.paused, self.rate = True, 1.0
+        self.paused, self.rate, self.loop = True, 1.0, False
         self.unplaced: list[tuple[str, str]] = []
         self.restart()
 
@@ -65,6 +66,9 @@ class BagPlayer:
         if self._stop_at is not None and target >= self._stop_at:
             target, self._stop_at, self.paused = self._stop_at, None, True
         self.advance_to(target)
+        if self.loop and self.paused and self.time >= self._bag.duration:
+            self.restart()
+            self.paused = False
 
     def advance_to(self, time: float) -> None:
         """Pose the robots as at a time (s) that is not before the present one; pause at the bag's end."""
@@ -83,7 +87,8 @@ class BagPlayer:
         self.time = min(time, self._bag.duration)
         if time >= self._bag.duration and not self.paused:
             self.paused = True
-            self._say(f"the bag ends at {self._bag.duration:.3f} s")
+            if not self.loop:
+                self._say(f"the bag ends at {self._bag.duration:.3f} s")
 
     def do(self, request: protocol.Request) -> None:
         """Process a request of the page about time.
@@ -115,6 +120,10 @@ class BagPlayer:
                 if time < self.time:
                     self.restart()
                 self.advance_to(min(max(time, 0.0), self._bag.duration))
+            case protocol.LookBy(count):
+                self.do(protocol.Look(self.time + count * _STEP))
+            case protocol.Loop(on):
+                self.loop = on
             case protocol.SetRate(rate):
                 if rate <= 0:
                     raise InputError(f"{rate:g} is not a speed: it is positive")
@@ -125,7 +134,7 @@ class BagPlayer:
     def amend(self, state: dict[str, Any]) -> None:
         """Put what the bag says into a state of the page: time, and the joints' velocities and efforts."""
         state.update(time=round(self.time, 9), paused=self.paused, rate=self.rate, steps=0)
-        state["duration"] = self._bag.duration
+        state.update(duration=self._bag.duration, loop=self.loop)
         for name, joints in self._joints.items():
             order = self._twin.robot_state(name).joints
             for field in ("velocities", "efforts"):

@@ -37,7 +37,7 @@ def test_scrubbing_shows_where_the_robot_was_and_now_where_it_is(driving):
     it.for_frames(10)
     past = picture(tab)
     assert abs(orange(past)[1].mean() - orange(present)[1].mean()) > 20  # pixels
-    assert tab.locator("#timeline").inner_text().startswith("At 0.")
+    assert "At 0." in tab.locator("#timeline").inner_text()
     tab.get_by_role("button", name="Back to now").click()
     it.frames(lambda: tab.locator("#timeline.looking").count() == 0)
     it.for_frames(10)

@@ -36,7 +36,7 @@ const moreViews = new MoreViews();
 const help = new Help();
 const layout = new Layout();
 const panels = new Panels(ask, (section) => layout.addFold(section));
-const palette = new Palette((asks) => panels.commands(asks));
+const palette = new Palette((asks) => [...panels.commands(asks), ...timeline.commands()]);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
@@ -138,6 +138,10 @@ function onKey(event, down) {
   if (event.code === "Space" && target.closest?.("button, summary, input, a")) return;
   const isOfView = event.code === "KeyP" || event.code in camera.keys;
   if (document.body.classList.contains("display-only") && !isOfView) return;
+  if (event.code === "KeyN" && event.shiftKey) {
+    timeline.stepBy(-1);
+    return;
+  }
   if (event.code in SHORTCUTS) {
     event.preventDefault();
     SHORTCUTS[event.code]();

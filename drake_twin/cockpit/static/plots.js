@@ -2,6 +2,7 @@
 
 import { $, element, setText } from "./dom.js";
 import { Plot } from "./plot.js";
+import { save } from "./plot_export.js";
 
 const STORED = "drake_twin plots ";
 const MOST_CURVES = 40;
@@ -43,6 +44,8 @@ class Figure {
       button("+", "Zoom in", () => this.plot.closer()),
       button("−", "Zoom out", () => this.plot.farther()),
       button("Fit", "Show all times", () => this.plot.fit()),
+      button("CSV", "Save the numbers as a table (CSV)", () => save(new Blob([this.plot.csv()], { type: "text/csv" }), "plot.csv")),
+      button("PNG", "Save a picture of the plot (PNG)", () => this.plot.picture()?.toBlob((blob) => save(blob, "plot.png"))),
       button("×", "Close the plot", () => plots.close(this)),
     );
     this.plot.node.prepend(tools);
@@ -134,11 +137,12 @@ class Plots {
   }
 
   // Take batches of samples; those that came before are known by their numbers.
-  take(batches, problems) {
+  take(batches, problems, units) {
     const fresh = batches.filter(({ number }) => number > this.number || number + batches.length < this.number);
     this.number = fresh.at(-1)?.number ?? this.number;
     for (const { plot, problems: node } of this.figures) {
       const paths = [...plot.curves.keys()];
+      for (const path of paths) if (path in units) plot.setUnit(path, units[path]);
       for (const { samples } of fresh) {
         for (const path of paths) {
           if (path in samples) plot.extend(path, samples[path].map(([time]) => time), samples[path].map(([, value]) => value));

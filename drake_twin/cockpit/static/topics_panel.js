@@ -130,7 +130,7 @@ export default class TopicsPanel {
     }
     if (data.version !== this.version) this.look();
     if (this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
-    plots.take(data.batches, data.problems);
+    plots.take(data.batches, data.problems, data.units);
     this.form.heard(data.outcome);
     if (data.frames && this.frames.node.open) this.frames.show(data.frames);
     if (data.diagram) this.drawing.show(data.diagram);
