@@ -45,6 +45,12 @@ class _OthersPanel:
     def watch(self, is_watched: bool) -> None:
         self._code.run(getattr(self._panel, "watch", lambda _: None), is_watched)
 
+    def draw(self, scene: Scene, time: float) -> None:
+        self._code.run(getattr(self._panel, "draw", lambda *_: None), scene, time)
+
+    def close(self) -> None:
+        self._code.run(getattr(self._panel, "close", lambda: None))
+
 
 class _OthersOverlay:
     def __init__(self, kind: OverlayKind, scene: Scene, twin: Twin):

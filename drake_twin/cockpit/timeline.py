@@ -81,11 +81,14 @@ class Timeline:
         self.watch(False)
         self._rewind = None
 
-    def draw(self, wall_time: float) -> bool:
-        """Draw the moment that is looked at; return False if that is the present, which is not drawn here.
+    def draw(self, wall_time: float) -> float | None:
+        """Draw the moment that is looked at.
 
         Args:
             wall_time: Wall time (s), from any origin.
+
+        Returns:
+            Its time (s); None if that is the present, which is not drawn here.
         """
         if self._looked is not None and (not self._twin.clock.paused or self._twin.clock.step_count != self._present):
             self.look_at_now()
@@ -93,9 +96,9 @@ class Timeline:
             self._proceed(wall_time - self._last_frame)
         self._last_frame = wall_time
         if self._looked is None:
-            return False
+            return None
         self._scene.show(self._looked.frame)
-        return True
+        return self._looked.time
 
     def _proceed(self, seconds: float) -> None:
         """Go on in a replay by some wall time (s)."""

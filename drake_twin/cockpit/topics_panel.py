@@ -323,16 +323,7 @@ class TopicsPanel:
         for item in self._twin.graph.endpoints:
             if item.kind == PUBLISHED and item.type == _TRANSFORMS and (message := self._twin.latest(item.name)):
                 tree.add(message, is_static=item.latched)
-        return [
-            {
-                "frame": frame,
-                "parent": parent,
-                "xyz": [round(float(number), 4) for number in pose.translation],
-                "rpy": [round(float(number), 4) for number in pose.rotation.as_euler("xyz")],
-                "static": pose.time is None,
-            }
-            for frame, (parent, pose) in sorted(tree.parents.items())
-        ]
+        return tree.as_plain()
 
     def _draw(self) -> None:
         """Let Graphviz draw the diagram beside the simulation, one at a time."""

@@ -35,12 +35,13 @@ export default class TopicsPanel {
 
   // Ask for data, while somebody can see them.
   look() {
-    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only, .playback")) return;
+    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only")) return;
     const echo = this.details.open ? this.chosen : "";
-    const isSeen = this.details.open || this.frames.node.open || plots.paths.length || this.drawing.isOpen;
+    const wanted = document.body.matches(".playback") ? plots.missing : plots.paths;
+    const isSeen = this.details.open || this.frames.node.open || wanted.length || this.drawing.isOpen;
     if (!isSeen) return;
     this.ask({ do: "Look", version: this.version, echo, frames: this.frames.node.open });
-    for (const [topic, field = ""] of plots.paths.map(partsOf)) this.ask({ do: "Plot", topic, field });
+    for (const [topic, field = ""] of wanted.map(partsOf)) this.ask({ do: "Plot", topic, field });
   }
 
   list() {
@@ -130,6 +131,7 @@ export default class TopicsPanel {
     }
     if (data.version !== this.version) this.look();
     if (this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
+    plots.takeWhole(data.curves ?? {});
     plots.take(data.batches, data.problems, data.units);
     this.form.heard(data.outcome);
     if (data.frames && this.frames.node.open) this.frames.show(data.frames);
