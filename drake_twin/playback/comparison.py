@@ -36,6 +36,7 @@ _EQUAL = 1e-9  # of the values' range: what is not further apart is the same
 _NOT_COMPARED = (
     TRANSFORMS,
     *(f"sensor_msgs/msg/{name}" for name in ("Image", "CompressedImage", "PointCloud", "PointCloud2", "LaserScan")),
+    "diagnostic_msgs/msg/DiagnosticArray",
     "control_msgs/msg/DynamicJointState",  # says what joint_states say
     "rosgraph_msgs/msg/Clock",
     "std_msgs/msg/String",

@@ -1,6 +1,6 @@
 // The panel of topics: their list, echo and publishing of one of them, plots of its numbers, frames, the diagram.
 
-import { element, setText } from "../dom.js";
+import { element, reveal, setText } from "../dom.js";
 import { Drawing } from "../drawing.js";
 import { Frames } from "../frames.js";
 import { partsOf, plots } from "../plots.js";
@@ -36,11 +36,11 @@ export default class TopicsPanel {
   // Ask for data, while somebody can see them.
   look() {
     if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only")) return;
-    const echo = this.details.open ? this.chosen : "";
+    const isShown = this.node.checkVisibility();
+    const [topics, frames] = [this.details, this.frames.node].map(({ open }) => isShown && open);
     const wanted = document.body.matches(".playback") ? plots.missing : plots.paths;
-    const isSeen = this.details.open || this.frames.node.open || wanted.length || this.drawing.isOpen;
-    if (!isSeen) return;
-    this.ask({ do: "Look", version: this.version, echo, frames: this.frames.node.open });
+    if (!topics && !frames && !wanted.length && !this.drawing.isOpen) return;
+    this.ask({ do: "Look", version: this.version, echo: topics ? this.chosen : "", frames });
     for (const [topic, field = ""] of wanted.map(partsOf)) this.ask({ do: "Plot", topic, field });
   }
 
@@ -86,7 +86,7 @@ export default class TopicsPanel {
     this.list();
     if (found.name !== this.chosen) this.choose(found.name);
     this.names.querySelector("[aria-pressed=true]")?.scrollIntoView({ block: "nearest" });
-    this.node.scrollIntoView({ block: "nearest" });
+    reveal(this.node);
     return true;
   }
 
@@ -130,11 +130,12 @@ export default class TopicsPanel {
       this.list();
     }
     if (data.version !== this.version) this.look();
-    if (this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
+    const isShown = this.node.checkVisibility();
+    if (isShown && this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
     plots.takeWhole(data.curves ?? {});
     plots.take(data.batches, data.problems, data.units);
     this.form.heard(data.outcome);
-    if (data.frames && this.frames.node.open) this.frames.show(data.frames);
+    if (data.frames && isShown && this.frames.node.open) this.frames.show(data.frames);
     if (data.diagram) this.drawing.show(data.diagram);
   }
 }
