@@ -15,6 +15,7 @@ WHEELS = "/robot_1/forward_velocity_controller/commands"
 def driving(show):
     """A rover that drives, two seconds after its start."""
     it, tab = show(rovers(1).command(WHEELS, [2.0, 2.0, 2.0, 2.0]).scenario())
+    it.twin.reset()  # time went by while the page was loaded
     it.frames(lambda: it.twin.time > 2.0)
     return it, tab
 

@@ -12,7 +12,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "cockpit"))
 
-from browser import BROWSER_TESTS, browser, opened
+from browser import BROWSER_TESTS, browser, open_tab, opened
 from conftest import rovers
 from playback.recorded_bags import cart_messages, record, write
 from rosbags.highlevel import AnyReader
@@ -183,6 +183,7 @@ SHADE = "(canvas) => canvas.getContext('2d').getImageData(1, 1, 1, 1).data[0]"
 
 def test_pictures_rays_and_logs_follow_the_bag(play, tmp_path):
     it = play(write(tmp_path / "bag", sorted(seen_messages(), key=lambda item: item[2])))
+    open_tab(it.tab, "Sensors")
     it.tab.get_by_role("switch", name="camera").press("Space")
     it.tab.get_by_role("switch", name="scan").press("Space")
     canvas = it.tab.locator("#sensors canvas")
@@ -201,6 +202,7 @@ def test_pictures_rays_and_logs_follow_the_bag(play, tmp_path):
 def test_another_bag_is_laid_over_it(play, bags, axe):
     it = play(bags / "first")
     it.tab.evaluate(ADD, f"{STATES}.velocity[{WHEEL}]")
+    open_tab(it.tab, "Time")
     folder = it.tab.get_by_label("Bag to compare with")
     dashed = it.tab.locator("#plots .legend .dash.like")
     status = it.tab.locator(".compare-panel [role=status]")
@@ -230,6 +232,7 @@ def test_another_bag_is_laid_over_it(play, bags, axe):
 
 def test_what_cannot_be_compared_is_said(play, bags, tmp_path):
     it = play(bags / "first")
+    open_tab(it.tab, "Time")
     it.tab.get_by_label("Bag to compare with").fill(str(tmp_path / "nothing"))
     it.tab.get_by_role("button", name="Lay over").press("Enter")
     it.frames(lambda: "the bag does not exist" in it.tab.locator(".compare-panel [role=alert]").inner_text())
