@@ -138,6 +138,9 @@ def _add_page(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--headless", action="store_true", help="no page")
     group.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     group.add_argument("--host", default="127.0.0.1", help="the address to serve the page on (default: 127.0.0.1)")
+    group.add_argument(
+        "--compare", type=Path, metavar="BAG", help="lay a bag over the run on the page: ghosts, curves, differences"
+    )
     group.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     add_repeated(group, "--panel", "FILE", "a .py file with a panel of your own: sliders, buttons, plots, …")
     group.add_argument(
@@ -223,6 +226,8 @@ def check(options: argparse.Namespace) -> None:
         kind.check(options)
     if options.save_html is not None and options.watch:
         raise InputError("--save-html records one run: it cannot be combined with --watch")
+    if options.compare is not None and options.headless:
+        raise InputError("--compare lays a bag over the run on the page: it cannot be combined with --headless")
     if options.end_with_recording and (options.replay is None or options.duration is not None):
         what = "it needs --replay FILE" if options.replay is None else "it cannot be combined with --duration"
         raise InputError(f"--end-with-recording ends the run where its recording ends: {what}")

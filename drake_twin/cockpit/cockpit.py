@@ -4,6 +4,7 @@ import json
 import time as wall_clock
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 from weakref import WeakMethod
 
@@ -12,7 +13,7 @@ from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, draw_panels, make_overlay, make_panel, watch_panels
+from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panels, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
@@ -28,7 +29,6 @@ from drake_twin.cockpit.timeline import Timeline
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind, grouped
 from drake_twin.planning.controller_plan import chained_to
-from drake_twin.scenario import LONGEST_TIME
 from drake_twin.twin.controller_manager import STRICT
 from drake_twin.twin.twin import Twin
 
@@ -75,6 +75,8 @@ class Cockpit:
         for kind, sentence in grouped(twin.findings if player is None else player.findings):
             if kind is not Kind.WINDOW:
                 self._log.add("warning" if kind is Kind.MENDED else str(kind), sentence)
+        for level, text, self._log.time in () if player is None else player.logs:
+            self._log.add(level, text)
         self._end_log = self._log.follow(twin)
         self._clients: frozenset[int] = frozenset()
         self._asked: deque[tuple[int, protocol.Request]] = deque()
@@ -85,14 +87,15 @@ class Cockpit:
         self._overlays: dict[str, Overlay] = {}
         self.panels: dict[str, Panel] = {}
         for name, panel in PANEL_KINDS.items():
-            self.panels[name] = make_panel(panel, twin)
+            own = None if player is None else player.panels.get(name)
+            self.panels[name] = own or make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
-        self.sensors = SensorView(twin, scene, server.send_bytes)
+        make_sensors = partial(SensorView, twin) if player is None else player.sensors
+        self.sensors = make_sensors(scene, server.send_bytes)
         self._timeline = Timeline(twin, scene)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
-        self._end_run_to: Callable[[], None] | None = None
         self._efforts_left = 0
         self._stepping = Stepping(twin)
         self._published_log = -1
@@ -105,13 +108,13 @@ class Cockpit:
         if self._clients:
             self._twin.inbox.close(urgent=False)
         self._end_log()
-        if self._end_run_to is not None:
-            self._end_run_to()
+        self._stepping.close()
         for overlay in self._overlays.values():
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
         watch_panels(self.panels, False)
+        close_panels(self.panels)
         self._camera.follow("", self._twin)
 
     def process_requests(self, *, in_callback: bool = False) -> None:
@@ -147,16 +150,27 @@ class Cockpit:
             self._try(self._do, *self._asked.popleft(), in_callback)
             self._follow_robots()
 
+    def panel(self, name: str) -> Panel:
+        """Return the Python half of a panel.
+
+        Raises:
+            InputError: If it is unknown.
+        """
+        if name not in self.panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
+        return self.panels[name]
+
     def draw(self) -> None:
-        """Draw the twin's present state, with the overlays that are shown."""
-        if self._timeline.draw():
+        """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
+        looked = self._timeline.draw(wall_clock.perf_counter())
+        self._try(draw_panels, self.panels, self._scene, self._clock.time if looked is None else looked)
+        if looked is not None:
             return
         frame = self._scene.frame(self._twin)
         self._scene.show(frame)
         self._timeline.note(frame)
         for overlay in self._overlays.values():
             overlay.draw()
-        draw_panels(self.panels, self._scene)
         self._camera.draw(self._twin)
 
     def _follow_robots(self) -> None:
@@ -220,15 +234,13 @@ class Cockpit:
             case protocol.Step(count):
                 self._stepping.begin(count)
             case protocol.RunTo(time):
-                self._run_to(time)
+                self._stepping.run_to(time)
             case protocol.Reset():
                 twin.reset()
                 self._commands.forget()
                 self._teleop.forget()
-            case protocol.Look(time):
-                self._timeline.look(time)
-            case protocol.LookAtNow():
-                self._timeline.look_at_now()
+            case protocol.Look() | protocol.LookBy() | protocol.Replay() | protocol.Loop() | protocol.LookAtNow():
+                self._timeline.do(request)
             case protocol.GoOnFrom(time):
                 self._go_on_from(time)
             case protocol.SetRate(rate):
@@ -252,27 +264,6 @@ class Cockpit:
                 self._record(on)
             case protocol.Delete(robot):
                 twin.entities.delete(robot)
-
-    def _run_to(self, time: float) -> None:
-        """Continue, and pause at the first step that is not before a time (s)."""
-        twin = self._twin
-        if time > LONGEST_TIME:
-            raise InputError(f"{time:g} s is not a simulation time: {LONGEST_TIME:g} s is the longest")
-        if time <= twin.time:
-            raise InputError(f"{time:g} s lies in the past: the twin is at {twin.time:g} s. Reset it to start again")
-        if self._end_run_to is not None:
-            self._end_run_to()
-
-        def stop(_message: object) -> None:
-            if self._twin.time >= time - 1e-9:
-                self._twin.pause()
-                if self._end_run_to is not None:
-                    self._end_run_to()
-                self._end_run_to = None
-
-        # A subscription with this period has its first delivery after zero at this time, exact to the step.
-        self._end_run_to = twin.subscribe("/clock", stop, rate=1.0 / time)
-        twin.play()
 
     def _go_on_from(self, time: float) -> None:
         now, reached = self._twin.time, self._timeline.go_on_from(time)
@@ -328,13 +319,12 @@ class Cockpit:
             self._overlays.pop(name).remove()
 
     def _ask_panel(self, name: str, data: str) -> None:
-        if name not in self.panels:
-            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
+        panel = self.panel(name)
         try:
             value = json.loads(data)
         except (ValueError, RecursionError):
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
-        self.panels[name].ask(value)
+        panel.ask(value)
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
@@ -367,8 +357,10 @@ class Cockpit:
         texts: dict[str, str] = {}
         if self._structure is None or everything:
             whole = structure(self._twin, self._commands, self._teleop, only_displayed=self._only_displayed)
-            is_live = self._player is None and not self._only_displayed
-            listing = {"playback": self._player is not None, "sensors": self.sensors.listing() if is_live else []}
+            listing = {
+                "playback": self._player is not None,
+                "sensors": self.sensors.listing() if not self._only_displayed else [],
+            }
             self._structure = _json(whole | listing)
             texts["robots"] = self._structure
         if everything or self._log.version != self._published_log:

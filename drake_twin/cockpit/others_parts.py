@@ -30,10 +30,16 @@ def watch_panels(panels: Mapping[str, Panel], is_watched: bool) -> None:
         getattr(panel, "watch", lambda _: None)(is_watched)
 
 
-def draw_panels(panels: Mapping[str, Panel], scene: Scene) -> None:
-    """Let the panels draw that have something in the scene."""
+def draw_panels(panels: Mapping[str, Panel], scene: Scene, time: float) -> None:
+    """Let the panels draw that have something in the scene, which shows a time (s)."""
     for panel in panels.values():
-        getattr(panel, "draw", lambda _: None)(scene)
+        getattr(panel, "draw", lambda *_: None)(scene, time)
+
+
+def close_panels(panels: Mapping[str, Panel]) -> None:
+    """Tell the panels that want to know it that the page ends."""
+    for panel in panels.values():
+        getattr(panel, "close", lambda: None)()
 
 
 class _OthersPanel:
@@ -58,8 +64,11 @@ class _OthersPanel:
     def watch(self, is_watched: bool) -> None:
         self._code.run(getattr(self._panel, "watch", lambda _: None), is_watched)
 
-    def draw(self, scene: Scene) -> None:
-        self._code.run(getattr(self._panel, "draw", lambda _: None), scene)
+    def draw(self, scene: Scene, time: float) -> None:
+        self._code.run(getattr(self._panel, "draw", lambda *_: None), scene, time)
+
+    def close(self) -> None:
+        self._code.run(getattr(self._panel, "close", lambda: None))
 
 
 class _OthersOverlay:

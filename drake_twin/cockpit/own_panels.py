@@ -141,7 +141,7 @@ class OwnPanels:
             case _:
                 raise InputError(f"unknown request {data!r} of a panel")
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: Scene, _time: float) -> None:
         """Draw the markers."""
         self._scene = scene
         self._parts.draw(scene)

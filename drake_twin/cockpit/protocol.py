@@ -56,6 +56,27 @@ class Look(Request):
 
 
 @dataclass(frozen=True)
+class LookBy(Request):
+    """Pause, and look so many pictures later, or earlier if it is negative."""
+
+    count: int
+
+
+@dataclass(frozen=True)
+class Replay(Request):
+    """Play what was drawn again, from the moment that is looked at, or pause that."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class Loop(Request):
+    """Begin again where a replay, or a bag, ends, or no more."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
 class LookAtNow(Request):
     """Draw the present again."""
 

@@ -5,6 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drake_twin.cockpit.color_map import Legend
+
 RANGE, HEIGHT, INTENSITY, PLAIN = "range", "height", "intensity", "one color"
 UNITS = {RANGE: "m", HEIGHT: "m", INTENSITY: ""}
 _MOST_POINTS = 19_997  # of a cloud: a prime, so that those of a picture that are drawn do not lie in a few columns
@@ -36,6 +38,17 @@ class Measured(NamedTuple):
         if by == HEIGHT:
             return np.asarray(X_points[:, 2])
         return self.intensities if by == INTENSITY else None
+
+    def colors(self, by: str, X_points: np.ndarray) -> tuple[np.ndarray | None, Legend | None]:
+        """Return the points' colors, shape (n, 3), and their legend; None if they are of one color."""
+        values = self.values(by, X_points)
+        legend = None if values is None else Legend.of(values, by, UNITS[by])
+        return (None, None) if values is None or legend is None else (legend.colors(values), legend)
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """What they can be colored by."""
+        return (RANGE, HEIGHT, *((INTENSITY,) if self.intensities is not None else ()), PLAIN)
 
 
 def measured(message: Any) -> Measured:

@@ -17,7 +17,7 @@ from pydrake.math import RigidTransform
 
 from drake_twin.cockpit.color_map import Legend
 from drake_twin.cockpit.scene import OVERLAYS, Scene
-from drake_twin.cockpit.sensor_points import HEIGHT, INTENSITY, PLAIN, RANGE, UNITS, Measured, measured
+from drake_twin.cockpit.sensor_points import HEIGHT, RANGE, Measured, measured
 from drake_twin.errors import InputError
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.sensors.camera import R_SO
@@ -228,24 +228,17 @@ class _Shown:
             self._scene.set_lines(self._path, np.array(sides).reshape(-1, 3), self._color)
         else:
             self._met = (met, points)
-            self.choices = (RANGE, HEIGHT, *((INTENSITY,) if met.intensities is not None else ()), PLAIN)
+            self.choices = met.choices
             self.color(self.colored_by)
 
     def color(self, by: str) -> None:
         """Color the points that were drawn last, and all further ones."""
         self.colored_by, (met, points) = by, self._met
-        values = met.values(by, points)
-        self.legend = None if values is None else Legend.of(values, by, UNITS[by])
-        colors = self._color if values is None or self.legend is None else self.legend.colors(values)
-        self._scene.set_points(self._path, points, colors, _SIZE)
+        colors, self.legend = met.colors(by, points)
+        self._scene.set_points(self._path, points, self._color if colors is None else colors, _SIZE)
 
     def _picture(self, topic: str, message: Any) -> None:
-        picture, legend = small_picture(pixels(message))
-        height, width = picture.shape[:2]
-        head = {"key": self._key, "topic": topic, "width": width, "height": height}
-        head |= {"size": [message.width, message.height], "encoding": message.encoding}
-        head["legend"] = None if legend is None else legend.as_plain()
-        self._send(topic, json.dumps(head).encode() + b"\n" + picture.tobytes())
+        self._send(topic, tile(self._key, topic, message))
 
     def _note(self, message: Any) -> None:
         self.numbers = {"time": round(self._twin.time, 6), "groups": list(groups_of(message))}
@@ -272,6 +265,16 @@ def _shown_topics(plan: SensorPlan) -> list[tuple[str, str]]:
         rays = [topic.topic for topic in plan.topics if topic.topic in rays and ("Cloud" in topic.type) == has_rows]
         return [(rays[0], POINTS)]
     return list(views.items())
+
+
+def tile(key: str, topic: str, message: Any) -> bytes:
+    """Return the picture of a sensor's message as browsers are sent it: a JSON line with what it is, and its bytes."""
+    picture, legend = small_picture(pixels(message))
+    height, width = picture.shape[:2]
+    head = {"key": key, "topic": topic, "width": width, "height": height}
+    head |= {"size": [message.width, message.height], "encoding": message.encoding}
+    head["legend"] = None if legend is None else legend.as_plain()
+    return json.dumps(head).encode() + b"\n" + picture.tobytes()
 
 
 def small_picture(picture: np.ndarray) -> tuple[np.ndarray, Legend | None]:

@@ -95,6 +95,19 @@ class TransformTree:
         *line, root = self._line(frame)
         return root, self._pose(line)
 
+    def as_plain(self) -> list[dict[str, Any]]:
+        """Return each frame with the one above it, its translation (m) and roll, pitch, yaw (rad) in that."""
+        return [
+            {
+                "frame": frame,
+                "parent": parent,
+                "xyz": [round(float(number), 4) for number in pose.translation],
+                "rpy": [round(float(number), 4) for number in pose.rotation.as_euler("xyz")],
+                "static": pose.time is None,
+            }
+            for frame, (parent, pose) in sorted(self.parents.items())
+        ]
+
     def _line(self, frame: str) -> list[str]:
         """Return a frame and those above it, up to the root."""
         line = [frame]

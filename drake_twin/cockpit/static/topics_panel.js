@@ -35,12 +35,13 @@ export default class TopicsPanel {
 
   // Ask for data, while somebody can see them.
   look() {
-    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only, .playback")) return;
+    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only")) return;
     const isShown = this.node.checkVisibility();
     const [topics, frames] = [this.details, this.frames.node].map(({ open }) => isShown && open);
-    if (!topics && !frames && !plots.paths.length && !this.drawing.isOpen) return;
+    const wanted = document.body.matches(".playback") ? plots.missing : plots.paths;
+    if (!topics && !frames && !wanted.length && !this.drawing.isOpen) return;
     this.ask({ do: "Look", version: this.version, echo: topics ? this.chosen : "", frames });
-    for (const [topic, field = ""] of plots.paths.map(partsOf)) this.ask({ do: "Plot", topic, field });
+    for (const [topic, field = ""] of wanted.map(partsOf)) this.ask({ do: "Plot", topic, field });
   }
 
   list() {
@@ -131,7 +132,8 @@ export default class TopicsPanel {
     if (data.version !== this.version) this.look();
     const isShown = this.node.checkVisibility();
     if (isShown && this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
-    plots.take(data.batches, data.problems);
+    plots.takeWhole(data.curves ?? {});
+    plots.take(data.batches, data.problems, data.units);
     this.form.heard(data.outcome);
     if (data.frames && isShown && this.frames.node.open) this.frames.show(data.frames);
     if (data.diagram) this.drawing.show(data.diagram);
