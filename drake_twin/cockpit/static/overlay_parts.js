@@ -66,7 +66,7 @@ function thicken(lines) {
   geometry.setAttribute("to", new THREE.InterleavedBufferAttribute(ends, 3, 3));
   const tint = new Float32Array(3 * count);
   for (let index = 0; index < count; index++) {
-    const own = color ? new THREE.Color().fromBufferAttribute(color, 2 * index) : material.color;
+    const own = color ? new THREE.Color().setRGB(color.getX(2 * index), color.getY(2 * index), color.getZ(2 * index), THREE.SRGBColorSpace) : material.color;
     own.toArray(tint, 3 * index);
   }
   geometry.setAttribute("tint", new THREE.InstancedBufferAttribute(tint, 3));
