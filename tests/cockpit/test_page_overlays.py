@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, page, picture, show
+from browser import BROWSER_TESTS, browser, open_tab, page, picture, show
 from conftest import ARM, rovers
 from in_scene import look_at, place_of, tools
 from robots_to_steer import WHEELS_1
@@ -133,6 +133,7 @@ def test_the_ranges_of_joints_are_those_of_the_selected_robot(page):
         return place(tab, f"overlays/joints/on/{robot}/{robot}_base_link/limits")["isVisible"]
 
     assert not visible("robot_1")
+    open_tab(tab, "World")
     item = tab.locator("[role=treeitem]", has_text="robot_2").first
     item.click(force=True)
     it.frames(lambda: tools(tab, "selected.length") > 0)

@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import numpy as np
-from browser import BROWSER_TESTS, browser, changed, picture, show
+from browser import BROWSER_TESTS, browser, changed, open_tab, picture, show
 from seeing_robot import seeing
 from show_menu import press
 
@@ -20,6 +20,7 @@ PIXELS = """canvas => {
 
 def test_a_scan_is_drawn_and_taken_away(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
+    open_tab(tab, "Sensors")
     switch = tab.get_by_label("Show box_0's lidar")
     switch.click(force=True)
     it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/measured"))
@@ -29,6 +30,7 @@ def test_a_scan_is_drawn_and_taken_away(show, tmp_path):
 
 def test_numbers_are_plotted_while_they_are_shown(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
+    open_tab(tab, "Sensors")
     switch, plots = tab.get_by_label("Show box_0's imu"), tab.locator("#sensors .plot")
     switch.click(force=True)
     it.frames(lambda: plots.count() == 3)
@@ -41,6 +43,7 @@ def test_a_picture_is_a_tile(show, tmp_path):
     it.twin.pause()  # the camera takes no picture of its own
     it.for_frames(3)
     key, topic = "box_0/box/camera", "/box_0/camera"
+    open_tab(tab, "Sensors")
     tab.get_by_label("Show box_0's camera").click(force=True)
     it.frames(lambda: key in it.cockpit.sensors.state())
     it.for_frames(5)

@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, orange, page, picture, show
+from browser import BROWSER_TESTS, browser, open_tab, orange, page, picture, show
 from conftest import ARM, rovers
 from in_scene import tools
 from show_menu import press

@@ -37,8 +37,8 @@ show.add({ name: "names", label: "Names", hint: "Names above robots", key: "L", 
 new Capture();
 const moreViews = new MoreViews();
 const help = new Help(() => show.described());
-const layout = new Layout();
-const panels = new Panels(ask, (section) => layout.addFold(section));
+const layout = new Layout(() => panels.look());
+const panels = new Panels(ask, (section) => layout.add(section));
 const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks)]);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
@@ -52,6 +52,7 @@ connection = new Connection({
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, moreViews]) part.structure(structure);
+      layout.tabs.tidy();
     },
     state(state) {
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, palette]) part.state(state);
