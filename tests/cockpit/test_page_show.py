@@ -42,7 +42,7 @@ def test_the_keyboard_alone_opens_searches_switches_and_closes_it(page):
     it, tab = page
     tab.keyboard.press("v")
     assert tab.evaluate("document.activeElement.getAttribute('aria-label')") == "Search what can be shown"
-    tab.keyboard.type("green")  # of a hint
+    tab.keyboard.type("green shapes")  # of a hint
     assert list(rows(tab)) == ["Collision shapes"]
     tab.keyboard.press("Enter")
     it.frames(lambda: "collision" in it.cockpit._overlays)

@@ -123,6 +123,26 @@ function isInScene(object) {
   return false;
 }
 
+// Labels of objects; the scene's tools place them. Those of objects that are gone go.
+const labels = new Map(); // object → its label, with its size
+
+function labelOf(text) {
+  const label = document.createElement("div");
+  label.className = "name small";
+  label.textContent = text;
+  document.body.append(label);
+  return { label, width: label.offsetWidth, height: label.offsetHeight };
+}
+
+function labelsInScene() {
+  for (const [object, { label }] of labels) {
+    if (isInScene(object)) continue;
+    label.remove();
+    labels.delete(object);
+  }
+  return labels;
+}
+
 const { set_object: setObject, render } = viewer;
 viewer.set_object = function (path, object, ...more) {
   if (path[0] === "twin") areStale = ghosts.size > 0;
@@ -134,6 +154,7 @@ viewer.set_object = function (path, object, ...more) {
     const found = [];
     object.traverse((part) => part.isLineSegments && found.push(part));
     found.forEach(thicken);
+    if (object.userData?.label) labels.set(object, labelOf(object.userData.label));
   }
   return setObject.call(this, path, object, ...more);
 };
@@ -141,6 +162,7 @@ viewer.set_object = function (path, object, ...more) {
 viewer.render = function (...given) {
   follow();
   fillGhosts();
+  window.sceneTools.labels = labelsInScene();
   const { width, height } = viewer.renderer.getDrawingBufferSize(new THREE.Vector2());
   size.value.set(width, height).divideScalar(THICK * viewer.renderer.getPixelRatio());
   return render.apply(this, given);

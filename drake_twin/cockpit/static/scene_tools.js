@@ -38,6 +38,7 @@ class SceneTools {
       if (hit) this.onfocus?.(hit);
     });
     this.selected = []; // the paths that glow
+    this.labels = new Map(); // object → its label, with its size
     this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
@@ -327,14 +328,19 @@ class SceneTools {
 
   // Place the names; of those that would overlap, the farther robots' are higher by some lines, or hidden.
   placeNames() {
-    if (!this.names.size) return;
+    if (!this.names.size && !this.labels.size) return;
     const eye = viewer.camera.getWorldPosition(new THREE.Vector3());
     const found = [...this.names].map(([path, name]) => {
       const top = this.topOf(path);
       return { ...name, at: top && this.onPicture(this.twin.worldToLocal(top.clone()).toArray()), distance: top?.distanceTo(eye) };
     });
+    for (const [object, label] of this.labels) {
+      const at = object.getWorldPosition(new THREE.Vector3());
+      found.push({ ...label, at: this.onPicture(this.twin.worldToLocal(at.clone()).toArray()), distance: at.distanceTo(eye), isSmall: true });
+    }
     const shown = [];
-    for (const { label, width, height, at } of found.sort((one, other) => one.distance - other.distance)) {
+    // Robots' names first, then what is nearest.
+    for (const { label, width, height, at } of found.sort((one, other) => (one.isSmall ?? 0) - (other.isSmall ?? 0) || one.distance - other.distance)) {
       const isFree = (y) => shown.every((other) => Math.abs(at.x - other.at.x) > (width + other.width) / 2 || Math.abs(y - other.at.y) > height);
       const y = at?.isAhead ? LIFTS.map((lines) => at.y - lines * height).find(isFree) : undefined;
       label.hidden = y === undefined;
