@@ -14,7 +14,14 @@ from pydrake.geometry import Rgba, Shape
 from pydrake.math import RigidTransform
 
 from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
-from drake_twin.shared_viewer.meshcat_protocol import Command, delete, set_object, set_property, set_transform
+from drake_twin.shared_viewer.meshcat_protocol import (
+    Command,
+    TransformWriter,
+    delete,
+    set_object,
+    set_property,
+    set_transform,
+)
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene, place_of_robots
 from drake_twin.shared_viewer.three_js import ghost_object, lines_object, points_object, three_js_object
 from drake_twin.twin.twin import Twin
@@ -124,13 +131,21 @@ class Scene:
         self._send([set_object(path, points_object(path, points, color, size))])
 
     def set_lines(
-        self, path: str, ends: np.ndarray, color: tuple[float, float, float] | np.ndarray, *, on_top: bool = False
+        self,
+        path: str,
+        ends: np.ndarray,
+        color: tuple[float, float, float] | np.ndarray,
+        *,
+        on_top: bool = False,
+        label: str = "",
     ) -> None:
         """Draw line segments from the first end to the second, … (m, shape (2 n, 3)) at a path.
 
-        Each end may have its color; `on_top` draws them over what hides them.
+        Each end may have its color; `on_top` draws them over what hides them; a label stands at the path's place.
         """
-        self._send([set_object(path, lines_object(path, ends, color, **(_ON_TOP if on_top else {})))])
+        drawn = lines_object(path, ends, color, **(_ON_TOP if on_top else {}))
+        drawn["object"]["userData"] = {"label": label}
+        self._send([set_object(path, drawn)])
 
     def set_ghost(self, path: str, body: str, color: tuple[float, float, float]) -> None:
         """Draw a translucent copy of a body, by its path below the twin's, at a path; the browser has its geometry."""
@@ -140,6 +155,10 @@ class Scene:
         """Set the pose of a path F, and of all below it, in its parent P; a 4x4 matrix may scale it, too."""
         matrix = X_PF.GetAsMatrix4() if isinstance(X_PF, RigidTransform) else X_PF
         self._send([set_transform(path, matrix)])
+
+    def move(self, paths: TransformWriter, poses: np.ndarray) -> None:
+        """Set the poses of all paths of a writer in their parents at once, shape (paths, 4, 4)."""
+        self._send(list(paths.commands(poses, range(len(poses)))))
 
     def set_property(self, path: str, name: str, value: object) -> None:
         """Set a property of three.js to a plain value."""

@@ -211,6 +211,8 @@ class Controller(WitnesslessSystem):
 
     def goal_positions(self, context: Context) -> dict[str, float]:
         """Return where it brings joints (rad or m): the positions that it commands, or the end of what it follows."""
+        if all(claim.name != "position" for claim in self.claims):
+            return {}
         commands = self.get_command_interfaces_output_port().Eval(context)
         pairs = zip(self.interfaces, commands, strict=True)
         return {item.joint: float(at) for item, at in pairs if item.name == "position" and isfinite(at)}

@@ -95,7 +95,7 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     assert panel.bounding_box()["width"] == pytest.approx(before + 140, abs=6)
     wide = panel.bounding_box()["width"]
     open_tab(tab, "View")
-    tab.get_by_role("button", name="Show", exact=True).click(force=True)
+    tab.get_by_role("button", name="In the scene", exact=True).click(force=True)
     assert tab.locator("#overlays").is_hidden()
     tab.reload()
     it.frames(lambda: tab.locator("body.ready").count() == 1)

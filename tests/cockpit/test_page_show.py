@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, page, show
+from browser import BROWSER_TESTS, browser, open_tab, page, show
 from conftest import ARM, rovers
 from show_menu import close, switch
 from test_page_accessibility import RUN, axe
@@ -42,7 +42,7 @@ def test_the_keyboard_alone_opens_searches_switches_and_closes_it(page):
     it, tab = page
     tab.keyboard.press("v")
     assert tab.evaluate("document.activeElement.getAttribute('aria-label')") == "Search what can be shown"
-    tab.keyboard.type("green")  # of a hint
+    tab.keyboard.type("green shapes")  # of a hint
     assert list(rows(tab)) == ["Collision shapes"]
     tab.keyboard.press("Enter")
     it.frames(lambda: "collision" in it.cockpit._overlays)
@@ -58,6 +58,7 @@ def test_the_keyboard_alone_opens_searches_switches_and_closes_it(page):
     tab.keyboard.press("Escape")
     assert tab.locator("#show-menu").is_hidden()
     assert tab.locator("#show-button").get_attribute("aria-expanded") == "false"
+    open_tab(tab, "View")
     tab.locator("#show-in-panel").click(force=True)
     assert tab.locator("#show-menu").is_visible()
 

@@ -59,7 +59,8 @@ class Tracks:
         if frame.scene is not self._scene.shared(self._twin) or not self._is_due(time):
             return
         rows = {body: row for row, body in enumerate(frame.scene.body_paths)}
-        places = [frame.poses[rows[body], :3, 3] if body in rows else np.full(3, np.nan) for body in self._bodies]
+        tracked = [rows.get(int(body)) for body in self._bodies]
+        places = [np.full(3, np.nan) if row is None else frame.poses[row, :3, 3] for row in tracked]
         self._add(time, np.array(places).reshape(-1, 3))
 
     def remove(self) -> None:

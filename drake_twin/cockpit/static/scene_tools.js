@@ -10,6 +10,7 @@ const PULL = 33; // ms between two requests while a link is dragged
 const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this radius
 const MARGIN = 1.25; // of the picture to what it shows
 const EDGE = 0.9; // of half the picture: what is farther out leaves it
+const LIFTS = [0, 1.2, 2.4]; // lines that a name may stand higher to overlap no other
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
 class SceneTools {
@@ -39,6 +40,7 @@ class SceneTools {
       if (hit) this.onfocus?.(hit);
     });
     this.selected = []; // the paths that glow
+    this.labels = new Map(); // object → its label, with its size
     this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
@@ -326,19 +328,26 @@ class SceneTools {
     viewer.set_dirty();
   }
 
-  // Place the names; of those that would overlap, the nearest robot's is shown.
+  // Place the names; of those that would overlap, the farther robots' are higher by some lines, or hidden.
   placeNames() {
-    if (!this.names.size) return;
+    if (!this.names.size && !this.labels.size) return;
     const eye = viewer.camera.getWorldPosition(new THREE.Vector3());
     const found = [...this.names].map(([path, name]) => {
       const top = this.topOf(path);
       return { ...name, at: top && this.onPicture(this.twin.worldToLocal(top.clone()).toArray()), distance: top?.distanceTo(eye) };
     });
+    for (const [object, label] of this.labels) {
+      const at = object.getWorldPosition(new THREE.Vector3());
+      found.push({ ...label, at: this.onPicture(this.twin.worldToLocal(at.clone()).toArray()), distance: at.distanceTo(eye), isSmall: true });
+    }
     const shown = [];
-    for (const { label, width, height, at } of found.sort((one, other) => one.distance - other.distance)) {
-      const isFree = at?.isAhead && shown.every(({ at: { x, y }, width: other }) => Math.abs(at.x - x) > (width + other) / 2 || Math.abs(at.y - y) > height);
-      label.hidden = !isFree;
-      if (!isFree) continue;
+    // Robots' names first, then what is nearest.
+    for (const { label, width, height, at } of found.sort((one, other) => (one.isSmall ?? 0) - (other.isSmall ?? 0) || one.distance - other.distance)) {
+      const isFree = (y) => shown.every((other) => Math.abs(at.x - other.at.x) > (width + other.width) / 2 || Math.abs(y - other.at.y) > height);
+      const y = at?.isAhead ? LIFTS.map((lines) => at.y - lines * height).find(isFree) : undefined;
+      label.hidden = y === undefined;
+      if (label.hidden) continue;
+      at.y = y;
       shown.push({ at, width });
       label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
     }
