@@ -29,6 +29,7 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
         "robots": [
             {
                 "name": plan.name,
+                "kind": plan.description.name,
                 "joint_states": f"{plan.robot.topic_namespace}/joint_states",
                 "controllers": [
                     {"name": item.name, "type": item.type, "problem": item.problem} for item in plan.controllers

@@ -71,6 +71,7 @@ def test_the_joint_states_are_read_out(show):
     it.twin.pause()
     state = it.twin.robot_state("robot_1")
     row = folder(tab).locator("tbody tr").nth(2)
+    it.frames(lambda: row.locator("td").first.inner_text() not in ("", "–"))
     for column, value in enumerate((state.positions[2], state.velocities[2])):
         it.frames(
             lambda column=column, value=value: float(row.locator("td").nth(column).inner_text()) == round(value, 4)

@@ -66,3 +66,28 @@ def test_what_a_hidden_tab_shows_is_not_updated_until_it_is_shown(page):
     assert tab.evaluate("window.changes") == 0
     open_tab(tab, "Robots")
     it.frames(lambda: float(cell.inner_text()) > 2.5)
+
+
+NODES = "document.querySelectorAll('*').length"
+
+
+def test_a_hundred_robots_are_hardly_more_elements_than_thirty(show):
+    counts = {}
+    for many in (30, 100):
+        it, tab = show(rovers(many).scenario())
+        it.twin.pause()
+        it.frames(lambda many=many, tab=tab: tab.locator(".robot").count() == many)
+        open_tab(tab, "World")
+        it.frames(lambda tab=tab: tab.locator(".tree li").count() > 30)
+        open_tab(tab, "ROS")
+        tab.locator(".topics-panel summary", has_text="Topics").click()
+        it.frames(lambda tab=tab: tab.locator(".topics li").count() > 30)
+        open_tab(tab, "Robots")
+        it.frames(lambda tab=tab: tab.locator(".robot summary").count() > 5)
+        counts[many] = tab.evaluate(NODES)
+        tab.locator(".page:visible").evaluate("page => { page.scrollTop = page.scrollHeight; }")
+        it.frames(lambda many=many, tab=tab: folder(tab, f"robot_{many}").locator("summary").count() == 1)
+        assert folder(tab, "robot_1").locator("summary").count() == 0
+        tab.close()
+        it.tabs.clear()
+    assert counts[100] < 1.2 * counts[30]

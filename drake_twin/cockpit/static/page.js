@@ -36,7 +36,7 @@ const moreViews = new MoreViews();
 const help = new Help();
 const layout = new Layout(() => panels.look());
 const panels = new Panels(ask, (section) => layout.add(section));
-const palette = new Palette((asks) => panels.commands(asks));
+const palette = new Palette((asks) => panels.commands(asks), robots);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
