@@ -11,6 +11,7 @@ from drake_twin.cockpit import protocol
 from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
+from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
 from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
@@ -33,7 +34,6 @@ from drake_twin.twin.controller_manager import STRICT
 from drake_twin.twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
-_PATIENCE = 60  # snapshots, about 4 s, that have efforts without a tab asking again
 _RECORDING = "run.html"
 _NOT_IN_CALLBACKS = (protocol.Step, protocol.RunTo, protocol.Reset, protocol.GoOnFrom, protocol.Delete)
 _BETWEEN_ADVANCES = (*_NOT_IN_CALLBACKS, protocol.AskPanel)  # a panel may ask for what a callback cannot do
@@ -92,7 +92,7 @@ class Cockpit:
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._end_run_to: Callable[[], None] | None = None
-        self._efforts_left = 0
+        self._looks = Looks()
         self._stepping = Stepping(twin)
         self._published_log = -1
         self._published_timeline = ""
@@ -192,7 +192,9 @@ class Cockpit:
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
             case protocol.LookAtEfforts():
-                self._efforts_left = _PATIENCE
+                self._looks.at_efforts()
+            case protocol.LookAtRobots(robots):
+                self._looks.at_robots(robots, self._twin.robots)
             case protocol.Follow(robot):
                 self._camera.follow(robot, self._twin)
             case protocol.AskPanel(panel, data):
@@ -385,8 +387,9 @@ class Cockpit:
             "sensors": self.sensors.state(),
             "panels": {name: data for name, item in self._panels.items() if (data := item.state()) is not NO_STATE},
         }
-        present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
-        self._efforts_left -= 1
+        looks = self._looks
+        present = state(self._twin, self._commands, more, looks.robots, with_efforts=looks.need_efforts)
+        looks.pass_snapshot()
         if self._player is not None:
             self._player.amend(present)
         texts["state"] = _json(present)

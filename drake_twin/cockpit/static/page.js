@@ -49,7 +49,7 @@ connection = new Connection({
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
       for (const part of [time, timeline, view, robots, sensors, panels, camera, moreViews]) part.structure(structure);
-      layout.tabs.tidy();
+      layout.structure(structure);
     },
     state(state) {
       for (const part of [time, timeline, view, robots, sensors, panels, camera, palette]) part.state(state);

@@ -190,7 +190,7 @@ class RobotFolder {
   }
 
   plot(time, state) {
-    const open = this.details.open && this.plotted?.open;
+    const open = this.details.open && this.plotted?.open && state.positions;
     for (const [what, plot] of Object.entries(this.plots ?? {})) {
       if (!open) plot.clear();
       else if (state[what]) plot.add(time, state[what], this.jointNames);
@@ -209,7 +209,7 @@ class RobotFolder {
     setText(this.stop, state.stopped ? "Release" : "Stop");
     this.stop.setAttribute("aria-label", `${state.stopped ? "Clear emergency stop" : "Emergency stop"} of ${this.name}`);
     this.node.classList.toggle("stopped", state.stopped);
-    if (!this.details.open || !this.body) return;
+    if (!this.details.open || !this.body || !state.positions) return; // the twin has yet to hear of who looks
     for (const pose of this.poses ?? []) pose?.slider.show(state.positions[pose.index]);
     for (const { topic, controller, sliders, poses } of this.groups ?? []) {
       const active = state.controllers[controller] === "active" && !state.stopped;
@@ -340,6 +340,14 @@ export class Robots {
     for (const { folder } of this.folders.values()) folder.forget();
   }
 
+  // Tell the twin whose joints and controllers are shown: it tells of no others.
+  look(robots) {
+    const key = robots.join();
+    if (key === this.looked && performance.now() - this.lookedAt < LOOK) return;
+    Object.assign(this, { looked: key, lookedAt: performance.now() });
+    this.ask("LookAtRobots", { robots });
+  }
+
   state(state) {
     const folders = [...this.folders.values()].map(({ folder }) => folder);
     const isShown = $("robots").checkVisibility(); // else only what is driven by keys is told of a stop
@@ -347,6 +355,7 @@ export class Robots {
       this.asked = performance.now();
       this.ask("LookAtEfforts");
     }
+    this.look(folders.filter(({ name, details }) => (isShown && details.open) || this.teleop.driven?.robot === name).map(({ name }) => name));
     for (const folder of folders) {
       const { name } = folder;
       if (!(name in state.robots) || !(isShown || this.teleop.driven?.robot === name)) continue;

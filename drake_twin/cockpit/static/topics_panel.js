@@ -3,6 +3,7 @@
 import { element, reveal, setText } from "../dom.js";
 import { Drawing } from "../drawing.js";
 import { Frames } from "../frames.js";
+import { keep, kept } from "../kept.js";
 import { partsOf, plots } from "../plots.js";
 import { PublishForm } from "../publish_form.js";
 import { Rows } from "../rows.js";
@@ -18,7 +19,8 @@ export default class TopicsPanel {
     this.chosen = "";
     this.frames = new Frames();
     this.drawing = new Drawing(() => ask({ do: "Draw" }), (names) => this.find(names));
-    this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter topics", oninput: () => this.list() });
+    this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter topics", oninput: () => this.filterBy(this.filter.value) });
+    this.filter.value = kept().topics ?? "";
     this.names = element("ul", { class: "topics", "aria-label": "Topics", "data-listed": true }); // by `commands`
     this.rows = new Rows(this.names, (index) => this.item(this.listed[index]));
     this.head = element("h3", {});
@@ -43,6 +45,12 @@ export default class TopicsPanel {
     if (!topics && !frames && !plots.paths.length && !this.drawing.isOpen) return;
     this.ask({ do: "Look", version: this.version, echo: topics ? this.chosen : "", frames });
     for (const [topic, field = ""] of plots.paths.map(partsOf)) this.ask({ do: "Plot", topic, field });
+  }
+
+  filterBy(words) {
+    this.filter.value = words;
+    keep({ topics: words });
+    this.list();
   }
 
   list() {
@@ -83,9 +91,8 @@ export default class TopicsPanel {
     if (!found) return false;
     const folder = document.querySelector(`.robot[data-robot="${CSS.escape(found.robot)}"] > details`);
     if (folder) folder.open = true;
-    this.filter.value = "";
     this.details.open = true;
-    this.list();
+    this.filterBy("");
     if (found.name !== this.chosen) this.choose(found.name);
     reveal(this.node);
     this.rows.bring(this.listed.indexOf(found));
