@@ -12,6 +12,7 @@ from drake_twin.cockpit import protocol
 from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
+from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
 from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panels, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
@@ -33,7 +34,6 @@ from drake_twin.twin.controller_manager import STRICT
 from drake_twin.twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
-_PATIENCE = 60  # snapshots, about 4 s, that have efforts without a tab asking again
 _RECORDING = "run.html"
 _NOT_IN_CALLBACKS = (protocol.Step, protocol.RunTo, protocol.Reset, protocol.GoOnFrom, protocol.Delete)
 _BETWEEN_ADVANCES = (*_NOT_IN_CALLBACKS, protocol.AskPanel)  # a panel may ask for what a callback cannot do
@@ -96,7 +96,7 @@ class Cockpit:
         self._timeline = Timeline(twin, scene)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
-        self._efforts_left = 0
+        self._looks = Looks()
         self._stepping = Stepping(twin)
         self._published_log = -1
         self._published_timeline = ""
@@ -210,7 +210,9 @@ class Cockpit:
             case protocol.ColorSensor(sensor, by):
                 self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
-                self._efforts_left = _PATIENCE
+                self._looks.at_efforts()
+            case protocol.LookAtRobots(robots):
+                self._looks.at_robots(robots, self._twin.robots)
             case protocol.Follow(robot):
                 self._camera.follow(robot, self._twin)
             case protocol.AskPanel(panel, data):
@@ -378,8 +380,9 @@ class Cockpit:
             "sensors": self.sensors.state(),
             "panels": {name: data for name, item in self.panels.items() if (data := item.state()) is not NO_STATE},
         }
-        present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
-        self._efforts_left -= 1
+        looks = self._looks
+        present = state(self._twin, self._commands, more, looks.robots, with_efforts=looks.need_efforts)
+        looks.pass_snapshot()
         if self._player is not None:
             self._player.amend(present)
         texts["state"] = _json(present)

@@ -191,6 +191,13 @@ class LookAtEfforts(Request):
 
 
 @dataclass(frozen=True)
+class LookAtRobots(Request):
+    """A tab shows the joints and controllers of these robots only; repeated about once a second."""
+
+    robots: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Follow(Request):
     """Let the camera follow a robot, or no robot if the name is empty."""
 

@@ -249,6 +249,7 @@ def chosen(tab):
 
 
 def open_diagram(it, tab):
+    open_tab(tab, "ROS")
     tab.get_by_role("button", name="Diagram…").click()
     it.frames(lambda: tab.locator("dialog.drawing svg").count() == 1)
 

@@ -39,7 +39,7 @@ const moreViews = new MoreViews();
 const help = new Help(() => show.described());
 const layout = new Layout(() => panels.look());
 const panels = new Panels(ask, (section) => layout.add(section));
-const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks), ...timeline.commands()]);
+const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks), ...timeline.commands()], robots);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
@@ -52,7 +52,7 @@ connection = new Connection({
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, moreViews]) part.structure(structure);
-      layout.tabs.tidy();
+      layout.structure(structure);
     },
     state(state) {
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, palette]) part.state(state);

@@ -210,6 +210,15 @@ class SceneTools {
     return [...viewer.camera.getWorldPosition(new THREE.Vector3()).toArray(), ...viewer.controls.target.toArray()];
   }
 
+  // Place the camera where `cameraPlace` said it was.
+  placeCamera(place) {
+    viewer.camera.position.fromArray(place);
+    viewer.controls.target.fromArray(place, 3);
+    viewer.controls.update();
+    this.isTouched = true;
+    viewer.set_dirty();
+  }
+
   // The folder of all that is drawn of the twin; its axes are the world's.
   get twin() {
     return viewer.scene_tree.find(["twin"]).object;
