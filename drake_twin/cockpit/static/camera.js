@@ -3,7 +3,7 @@
 import { $, element, toggle } from "./dom.js";
 
 const VIEWS = {
-  Angle: [0.75, -0.65, 0.65],
+  Angle: [0.75, -0.65, 0.4],
   Front: [1, 0, 0.15],
   Left: [0, 1, 0.15],
   Top: [0, 0, 1],
