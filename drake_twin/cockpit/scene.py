@@ -178,7 +178,7 @@ class Scene:
     def set_up(self, twin: Twin) -> None:
         """Place the camera to the front left of all robots."""
         center, reach = place_of_robots(twin)
-        self.set_camera_pose(center + reach * np.array([0.75, -0.65, 0.65]), center)
+        self.set_camera_pose(center + reach * np.array([0.75, -0.65, 0.4]), center)
 
     def draw(self, twin: Twin) -> None:
         """Draw a twin's present state; it may be another twin than in the last call, or have other robots."""

@@ -5,7 +5,7 @@ import { keep, kept } from "./kept.js";
 
 const KEEP = 2000; // ms between two looks at where the camera is
 const VIEWS = {
-  Angle: [0.75, -0.65, 0.65],
+  Angle: [0.75, -0.65, 0.4],
   Front: [1, 0, 0.15],
   Left: [0, 1, 0.15],
   Top: [0, 0, 1],

@@ -9,7 +9,8 @@ const GLOW = new THREE.Color(0x2563a8);
 const PULL = 33; // ms between two requests while a link is dragged
 const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this radius
 const MARGIN = 1.25; // of the picture to what it shows
-const EDGE = 0.9; // of half the picture: what is farther out leaves it
+const EDGE = { side: 0.98, top: 0.98, bottom: 0.86 }; // of half the picture: what is farther out leaves it; the timeline is below
+const CORE = 0.7; // of a link's reach is seen while it is in the picture
 const LIFTS = [0, 1.2, 2.4]; // lines that a name may stand higher to overlap no other
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
@@ -41,6 +42,7 @@ class SceneTools {
     });
     this.selected = []; // the paths that glow
     this.labels = new Map(); // object → its label, with its size
+    this.reaches = new WeakMap(); // link → how far its meshes reach, and how many they are
     this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
@@ -293,15 +295,26 @@ class SceneTools {
     return distance;
   }
 
-  // Whether the first links of these robots are in the picture.
+  // Whether all links of these robots are in the picture.
   areSeen(paths) {
-    viewer.camera.updateMatrixWorld();
-    return paths.every((path) => {
-      const link = this.object(path)?.children[0];
-      if (!link) return true;
-      const { x, y, z } = link.getWorldPosition(new THREE.Vector3()).project(viewer.camera);
-      return Math.abs(x) < EDGE && Math.abs(y) < EDGE && z < 1;
-    });
+    const { camera, scene } = viewer;
+    for (const each of [scene, camera]) each.updateMatrixWorld();
+    const [at, height] = [new THREE.Vector3(), Math.tan((camera.fov * Math.PI) / 360)];
+    const isInside = (link) => {
+      const { x, y, z } = at.setFromMatrixPosition(link.matrixWorld).applyMatrix4(camera.matrixWorldInverse);
+      const [half, core] = [-z * height, CORE * this.reachOf(link)];
+      return z < 0 && Math.abs(x) + core < EDGE.side * half * camera.aspect && y + core < EDGE.top * half && core - y < EDGE.bottom * half;
+    };
+    return paths.every((path) => this.object(path)?.children.every(isInside) ?? true);
+  }
+
+  // How far a link's meshes reach from its origin (m), as of when they were drawn.
+  reachOf(link) {
+    if (this.reaches.get(link)?.parts !== link.children.length) {
+      const { min, max } = new THREE.Box3().setFromObject(link);
+      this.reaches.set(link, { parts: link.children.length, reach: min.x > max.x ? 0 : min.distanceTo(max) / 2 });
+    }
+    return this.reaches.get(link).reach;
   }
 
   // The canvas, with the present picture on it until the next frame.
