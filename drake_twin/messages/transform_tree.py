@@ -55,6 +55,13 @@ class TransformTree:
         """The frames' names, sorted."""
         return sorted({*self.parents, *(parent for parent, _ in self.parents.values())})
 
+    def copy(self) -> "TransformTree":
+        """Return a copy."""
+        copied = TransformTree()
+        copied.parents.update(self.parents)
+        copied._ignored |= self._ignored
+        return copied
+
     def add(self, message: Any, *, is_static: bool) -> None:
         """Take the transforms of a ``TFMessage``; those that are not a pose are ignored with a warning."""
         for item in message.transforms:

@@ -1,8 +1,12 @@
 """The robots of a bag, posed as at a moment of it."""
 
 import logging
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
 from math import isfinite
+from operator import attrgetter
 from typing import Any
 
 from drake_twin.errors import InputError
@@ -11,12 +15,22 @@ from drake_twin.playback.bag import JOINT_STATES, Bag, BagMessage
 from drake_twin.playback.recorded_frames import RecordedFrames, RecordedRobot, is_frames
 from drake_twin.twin.twin import Twin
 
+_APART = 1.0  # s between two moments that are kept
 _log = logging.getLogger(__name__)
 
 
 def is_shown(topic: str, kind: str) -> bool:
     """Tell whether a topic moves the robots."""
     return kind == JOINT_STATES or is_frames(topic, kind)
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """What the messages until a time (s) have told, to continue from."""
+
+    time: float
+    frames: RecordedFrames
+    joints: dict[str, dict[str, dict[str, float]]]
 
 
 class PosedBag:
@@ -40,6 +54,7 @@ class PosedBag:
         self._said: set[str] = set()
         self.paused, self.loop = True, False
         self.unplaced: list[tuple[str, str]] = []
+        self._moments: list[_Moment] = []  # by their times
         self.restart()
 
     def restart(self) -> None:
@@ -47,12 +62,31 @@ class PosedBag:
         self.time = 0.0
         self._messages: Iterator[BagMessage] = self._bag.messages(is_shown)
         self._next: BagMessage | None = next(self._messages, None)
+        self._taken = 0.0  # the time of the last message that was taken (s)
         self._frames = RecordedFrames()
         self._joints: dict[str, dict[str, dict[str, float]]] = {robot.name: {} for robot in self._robots}
 
+    def _keep(self, time: float) -> None:
+        """Keep what is known before the messages of a time (s), if nothing near was kept."""
+        last = self._moments[-1].time if self._moments else 0.0
+        if time > self._taken >= last + _APART:
+            self._moments.append(_Moment(self._taken, self._frames.copy(), deepcopy(self._joints)))
+
+    def _continue_from(self, moment: _Moment) -> None:
+        """Know what was known at a moment, and read on from there."""
+        self.time = self._taken = moment.time
+        self._frames = moment.frames.copy()
+        self._joints = deepcopy(moment.joints)
+        later = self._bag.messages(is_shown, since=moment.time)
+        self._messages = (message for message in later if message.time > moment.time)
+        self._next = next(self._messages, None)
+
     def look(self, time: float) -> None:
         """Pose the robots as at a time (s), be it earlier or later."""
-        if time < self.time:
+        index = bisect_right(self._moments, time, key=attrgetter("time")) - 1
+        if index >= 0 and (time < self.time or self._moments[index].time > self.time):
+            self._continue_from(self._moments[index])
+        elif time < self.time:
             self.restart()
         self.advance_to(min(max(time, 0.0), self._bag.duration))
 
@@ -60,7 +94,9 @@ class PosedBag:
         """Pose the robots as at a time (s) that is not before the present one; pause at the bag's end."""
         try:
             while self._next is not None and self._next.time <= time:
+                self._keep(self._next.time)
                 message, self._next = self._next, next(self._messages, None)
+                self._taken = message.time
                 if message.type == JOINT_STATES:
                     self._take(message.topic, message.read())
                 else:

@@ -42,6 +42,12 @@ class RecordedFrames:
         namespace, _, own = message.topic.rpartition("/")
         self._trees.setdefault(namespace, TransformTree()).add(message.read(), is_static=own == "tf_static")
 
+    def copy(self) -> "RecordedFrames":
+        """Return a copy."""
+        copied = RecordedFrames()
+        copied._trees = {namespace: tree.copy() for namespace, tree in self._trees.items()}
+        return copied
+
     def in_root(self, robot: RecordedRobot) -> tuple[str, Transform] | None:
         """Return the frame at the root above a robot's root link, and the link's pose in it; None if it is not known.
 
