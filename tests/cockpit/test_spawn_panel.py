@@ -244,7 +244,7 @@ def test_a_robot_is_drawn_before_it_is_spawned_and_what_is_wrong_with_it_is_said
 def test_a_drawing_ends_with_the_dialog(dialog):
     dialog.ask(do="Preview", key="a", file=ROVER, arguments="{}")
     dialog.look(ROVER)
-    panel = dialog.page.cockpit._panels["spawn"]
+    panel = dialog.page.cockpit.panels["spawn"]
     drawn = panel._drawing[0]
     for _ in range(70):
         assert dialog.page.state
