@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, folder, page, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, page, show
 from conftest import rovers
 from test_page_accessibility import RUN, axe
 
@@ -94,13 +94,15 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     tab.mouse.up()
     assert panel.bounding_box()["width"] == pytest.approx(before + 140, abs=6)
     wide = panel.bounding_box()["width"]
-    tab.get_by_role("button", name="View", exact=True).click(force=True)
+    open_tab(tab, "View")
+    tab.get_by_role("button", name="Show", exact=True).click(force=True)
     assert tab.locator("#overlays").is_hidden()
     tab.reload()
     it.frames(lambda: tab.locator("body.ready").count() == 1)
     assert panel.bounding_box()["width"] == wide
     assert tab.locator("#overlays").is_hidden()
-    find(tab, "contact forces")  # unfolds it
+    open_tab(tab, "ROS")
+    find(tab, "contact forces")  # chooses its tab, and unfolds it
     it.frames(lambda: tab.locator("#overlays").is_visible())
     edge.dblclick(force=True)
     assert panel.bounding_box()["width"] == before

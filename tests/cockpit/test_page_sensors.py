@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, changed, picture, show
+from browser import BROWSER_TESTS, browser, changed, open_tab, picture, show
 from seeing_robot import seeing
 
 from drake_twin import messages
@@ -20,6 +20,7 @@ PIXELS = """canvas => {
 
 def test_a_scan_is_drawn_and_taken_away(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
+    open_tab(tab, "Sensors")
     switch = tab.get_by_label("Show box_0's lidar")
     switch.click(force=True)
     it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/measured"))
@@ -29,6 +30,7 @@ def test_a_scan_is_drawn_and_taken_away(show, tmp_path):
 
 def test_numbers_are_plotted_while_they_are_shown(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
+    open_tab(tab, "Sensors")
     switch, plots = tab.get_by_label("Show box_0's imu"), tab.locator("#sensors .plot")
     switch.click(force=True)
     it.frames(lambda: plots.count() == 3)
@@ -41,6 +43,7 @@ def test_a_picture_is_a_tile(show, tmp_path):
     it.twin.pause()  # the camera takes no picture of its own
     it.for_frames(3)
     key, topic = "box_0/box/camera", "/box_0/camera"
+    open_tab(tab, "Sensors")
     tab.get_by_label("Show box_0's camera").click(force=True)
     it.frames(lambda: key in it.cockpit.sensors.state())
     it.for_frames(5)
@@ -63,6 +66,7 @@ def test_the_bar_of_a_depth_picture_has_the_ends_that_drake_has_drawn(show, tmp_
     it, tab = show(seeing(tmp_path, camera="rgbd_camera").scenario())
     if it.twin.sensor("box_0", "camera").depth is None:
         pytest.skip("pictures need Mesa: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri")
+    open_tab(tab, "Sensors")
     tab.get_by_label("Show box_0's camera").click(force=True)
     figure = tab.locator("#sensors figure", has_text="depth_image")
     bar = figure.locator(".color-bar")
@@ -81,6 +85,7 @@ def test_the_bar_of_a_depth_picture_has_the_ends_that_drake_has_drawn(show, tmp_
 
 def test_the_points_of_a_scan_are_colored_by_what_is_chosen(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
+    open_tab(tab, "Sensors")
     tab.get_by_label("Show box_0's lidar").click(force=True)
     choice = tab.get_by_label("What colors the points of box_0's lidar")
     bar = tab.locator("#sensors .colors .color-bar").first
@@ -90,6 +95,7 @@ def test_the_points_of_a_scan_are_colored_by_what_is_chosen(show, tmp_path):
     choice.press("ArrowDown")
     it.frames(lambda: it.cockpit.sensors.state()["box_0/box/lidar"]["colored_by"] == "height")
     other = it.tab()
+    open_tab(other, "Sensors")
     it.frames(lambda: other.get_by_label("What colors the points of box_0's lidar").input_value() == "height")
     other.get_by_label("What colors the points of box_0's lidar").select_option("one color")
     it.frames(lambda: not bar.is_visible())
@@ -99,6 +105,7 @@ def test_the_views_of_sensors_are_lines(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
     it.twin.pause()
     before = picture(tab)
+    open_tab(tab, "View")
     tab.get_by_label("Sensors' views").click(force=True)
     it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/sensors"))
     it.frames(lambda: changed(before, picture(tab)) > 100, most=200)

@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, orange, page, picture, show
+from browser import BROWSER_TESTS, browser, open_tab, orange, page, picture, show
 from conftest import ARM, rovers
 from in_scene import tools
 
@@ -106,6 +106,7 @@ def test_names_do_not_overlap_and_the_nearest_robots_has_one(show):
     it, tab = show(rovers(8).scenario())
     it.twin.pause()
     it.for_frames(5)
+    open_tab(tab, "View")
     tab.get_by_label("Names above robots").click(force=True)
     tab.keyboard.press("3")
     picture(tab)

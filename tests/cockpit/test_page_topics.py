@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, folder, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, show
 from conftest import rovers
 from PIL import Image
 
@@ -24,6 +24,7 @@ def driving(show):
 
 def choose(it, tab, topic):
     """Opens the list and chooses a topic in it."""
+    open_tab(tab, "ROS")
     if not tab.get_by_label("Filter topics").is_visible():
         tab.locator(".topics-panel summary", has_text="Topics").click()
     it.frames(lambda: tab.locator(".topics button").count() > 5)
@@ -234,6 +235,7 @@ def test_a_reset_takes_away_what_is_later(driving):
 
 def test_frames_are_a_tree(driving):
     it, tab = driving
+    open_tab(tab, "ROS")
     tab.locator(".topics-panel summary", has_text="Frames").click()
     items = tab.locator(".frames li")
     it.frames(lambda: items.count() > 8)

@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, changed, orange, orange_bodies, page, picture, show
+from browser import BROWSER_TESTS, browser, changed, open_tab, orange, orange_bodies, page, picture, show
 from PIL import Image
 from playwright.sync_api import expect
 from robots_to_steer import WHEELS_1
@@ -48,6 +48,7 @@ def test_each_overlay_is_drawn_and_taken_away(page):
     it.twin.pause()
     it.for_frames(3)
     before = picture(tab)
+    open_tab(tab, "View")
     overlays = {
         "Frames (tf)": "frames",
         "Contact forces": "contact",
@@ -65,6 +66,7 @@ def test_each_overlay_is_drawn_and_taken_away(page):
 
 def test_the_camera_follows_a_robot_and_lets_it_go(page):
     it, tab = page
+    open_tab(tab, "View")
     tab.get_by_label("Camera follows").select_option("robot_1")
     it.frames(lambda: it.cockpit._camera.robot == "robot_1")
     it.twin.publish(WHEELS_1, [9, 9, 9, 9])
@@ -82,6 +84,7 @@ def test_the_camera_follows_a_robot_and_lets_it_go(page):
 @pytest.mark.parametrize("browser", ["chromium"], indirect=True)  # Playwright hears of no download in this Firefox
 def test_a_recording_is_downloaded_and_plays_without_a_network(show, browser, tmp_path):
     it, tab = show(demo_scenario("rover", 1))
+    open_tab(tab, "View")
     tab.get_by_role("button", name="Record").click()
     it.frames(lambda: tab.locator("#recording-badge").is_visible())
     start = it.twin.time
@@ -112,6 +115,7 @@ def test_the_side_panel_is_folded_away(page):
 
 def test_a_switch_keeps_what_was_pressed_until_the_twin_has_heard_of_it(page):
     it, tab = page
+    open_tab(tab, "View")
     switch = tab.get_by_label("Contact forces")
     switch.click(force=True)
     it.cockpit.publish(7.77)  # a state from before the request

@@ -1,6 +1,7 @@
-// The shape of the page: how wide the side panel is, and which of its groups are folded. A browser keeps both.
+// The shape of the page: how wide the side panel is, its tab, and which of its groups are folded. A browser keeps them.
 
 import { $, element } from "./dom.js";
+import { OTHERS, Tabs } from "./tabs.js";
 
 const STORED = "drake_twin.layout";
 const USUAL = 372; // px
@@ -24,7 +25,8 @@ function store(change) {
 }
 
 export class Layout {
-  constructor() {
+  // `onchoose` is called when another tab is shown.
+  constructor(onchoose) {
     this.edge = element("div", { class: "edge", role: "separator", tabindex: 0, "aria-orientation": "vertical", "aria-label": "Width of the controls", title: "Drag, or press the left and right arrow; double click for the usual width" });
     $("panel").before(this.edge);
     this.setWidth(Number(stored().width) || USUAL);
@@ -47,7 +49,31 @@ export class Layout {
       event.stopPropagation();
       this.resize(widths[event.key]);
     });
+    this.tabs = new Tabs((tab) => {
+      store({ tab });
+      onchoose();
+    });
+    this.tabs.choose(stored().tab);
+    $("panel").addEventListener("reveal", ({ target }) => this.show(target));
     for (const group of $("panel").querySelectorAll(".group")) this.addFold(group);
+  }
+
+  // Take up a panel's section. Other packages' panels are what a page is opened for, unless another tab was chosen.
+  add(section) {
+    this.tabs.add(section);
+    this.tabs.tidy();
+    this.addFold(section);
+    if (section.dataset.tab === (stored().tab ?? OTHERS)) this.tabs.choose(section.dataset.tab);
+  }
+
+  // Bring what is in the side panel into view, whatever tab or group it is in.
+  show(node) {
+    if (node.closest(".panel-closed #panel")) $("panel-toggle").click();
+    const { tab } = node.closest(".group")?.dataset ?? {};
+    if (tab && tab !== this.tabs.chosen) this.tabs.press(tab);
+    node.closest(".folded")?.querySelector(".fold").click();
+    for (let each = node.parentElement; each; each = each.parentElement) if (each.localName === "details") each.open = true;
+    node.scrollIntoView({ block: "nearest" });
   }
 
   resize(width) {
@@ -63,10 +89,11 @@ export class Layout {
     for (const [name, value] of Object.entries(values)) this.edge.setAttribute(`aria-${name}`, value);
   }
 
-  // Let the heading of a group fold it.
+  // Let the heading of a group fold it, if it is not alone in its tab.
   addFold(group) {
     const heading = group.querySelector("h2");
-    if (!heading || heading.querySelector(".fold")) return;
+    const isAlone = group.matches(":only-child") && group.dataset.tab !== OTHERS;
+    if (!heading || isAlone || heading.querySelector(".fold")) return;
     const name = heading.textContent;
     const button = element("button", { class: "fold", text: name, "aria-expanded": "true" });
     const fold = (isFolded) => {

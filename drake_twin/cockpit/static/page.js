@@ -34,8 +34,8 @@ const camera = new Camera();
 new Capture();
 const moreViews = new MoreViews();
 const help = new Help();
-const layout = new Layout();
-const panels = new Panels(ask, (section) => layout.addFold(section));
+const layout = new Layout(() => panels.look());
+const panels = new Panels(ask, (section) => (section ? layout.add(section) : layout.tabs.tidy()));
 const palette = new Palette((asks) => panels.commands(asks));
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
@@ -49,6 +49,7 @@ connection = new Connection({
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
       for (const part of [time, timeline, view, robots, sensors, panels, camera, moreViews]) part.structure(structure);
+      layout.tabs.tidy();
     },
     state(state) {
       for (const part of [time, timeline, view, robots, sensors, panels, camera, palette]) part.state(state);

@@ -247,12 +247,13 @@ export class Robots {
 
   state(state) {
     const folders = [...this.detailss.values()].map(({ folder }) => folder);
-    if (folders.some(({ showsEfforts }) => showsEfforts) && performance.now() - this.asked > LOOK) {
+    const isShown = $("robots").checkVisibility(); // else only what is driven by keys is told of a stop
+    if (isShown && folders.some(({ showsEfforts }) => showsEfforts) && performance.now() - this.asked > LOOK) {
       this.asked = performance.now();
       this.ask("LookAtEfforts");
     }
     for (const [name, { folder }] of this.detailss) {
-      if (!(name in state.robots)) continue;
+      if (!(name in state.robots) || !(isShown || this.teleop.driven?.robot === name)) continue;
       folder.state(state.robots[name], state.commands);
       folder.plot(state.time, state.robots[name]);
     }

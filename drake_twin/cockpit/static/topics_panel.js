@@ -1,6 +1,6 @@
 // The panel of topics: their list, echo and publishing of one of them, plots of its numbers, frames, the diagram.
 
-import { element, setText } from "../dom.js";
+import { element, reveal, setText } from "../dom.js";
 import { Drawing } from "../drawing.js";
 import { Frames } from "../frames.js";
 import { partsOf, plots } from "../plots.js";
@@ -36,10 +36,10 @@ export default class TopicsPanel {
   // Ask for data, while somebody can see them.
   look() {
     if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only, .playback")) return;
-    const echo = this.details.open ? this.chosen : "";
-    const isSeen = this.details.open || this.frames.node.open || plots.paths.length || this.drawing.isOpen;
-    if (!isSeen) return;
-    this.ask({ do: "Look", version: this.version, echo, frames: this.frames.node.open });
+    const isShown = this.node.checkVisibility();
+    const [topics, frames] = [this.details, this.frames.node].map(({ open }) => isShown && open);
+    if (!topics && !frames && !plots.paths.length && !this.drawing.isOpen) return;
+    this.ask({ do: "Look", version: this.version, echo: topics ? this.chosen : "", frames });
     for (const [topic, field = ""] of plots.paths.map(partsOf)) this.ask({ do: "Plot", topic, field });
   }
 
@@ -85,7 +85,7 @@ export default class TopicsPanel {
     this.list();
     if (found.name !== this.chosen) this.choose(found.name);
     this.names.querySelector("[aria-pressed=true]")?.scrollIntoView({ block: "nearest" });
-    this.node.scrollIntoView({ block: "nearest" });
+    reveal(this.node);
     return true;
   }
 
@@ -129,10 +129,11 @@ export default class TopicsPanel {
       this.list();
     }
     if (data.version !== this.version) this.look();
-    if (this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
+    const isShown = this.node.checkVisibility();
+    if (isShown && this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
     plots.take(data.batches, data.problems);
     this.form.heard(data.outcome);
-    if (data.frames && this.frames.node.open) this.frames.show(data.frames);
+    if (data.frames && isShown && this.frames.node.open) this.frames.show(data.frames);
     if (data.diagram) this.drawing.show(data.diagram);
   }
 }
