@@ -200,7 +200,7 @@ def test_a_panel_comes_goes_and_is_found(shown):
     it.frames(lambda: tab.get_by_role("button", name="Open wide").count() == 1)
     tab.keyboard.press("Control+k")
     tab.keyboard.type("gripper open")
-    assert tab.locator("#found li").first.inner_text().splitlines() == ["Open wide", "Gripper"]
+    assert tab.locator("#found li").first.inner_text().splitlines() == ["Open wide", "Panels · Gripper"]
     tab.keyboard.press("Enter")
     it.frames(lambda: heard == [1])
     other = add("Other")

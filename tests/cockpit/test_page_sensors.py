@@ -67,6 +67,7 @@ def test_the_bar_of_a_depth_picture_has_the_ends_that_drake_has_drawn(show, tmp_
     it, tab = show(seeing(tmp_path, camera="rgbd_camera").scenario())
     if it.twin.sensor("box_0", "camera").depth is None:
         pytest.skip("pictures need Mesa: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri")
+    open_tab(tab, "Sensors")
     tab.get_by_label("Show box_0's camera").click(force=True)
     figure = tab.locator("#sensors figure", has_text="depth_image")
     bar = figure.locator(".color-bar")
@@ -85,6 +86,7 @@ def test_the_bar_of_a_depth_picture_has_the_ends_that_drake_has_drawn(show, tmp_
 
 def test_the_points_of_a_scan_are_colored_by_what_is_chosen(show, tmp_path):
     it, tab = show(seeing(tmp_path).scenario())
+    open_tab(tab, "Sensors")
     tab.get_by_label("Show box_0's lidar").click(force=True)
     choice = tab.get_by_label("What colors the points of box_0's lidar")
     bar = tab.locator("#sensors .colors .color-bar").first
@@ -94,6 +96,7 @@ def test_the_points_of_a_scan_are_colored_by_what_is_chosen(show, tmp_path):
     choice.press("ArrowDown")
     it.frames(lambda: it.cockpit.sensors.state()["box_0/box/lidar"]["colored_by"] == "height")
     other = it.tab()
+    open_tab(other, "Sensors")
     it.frames(lambda: other.get_by_label("What colors the points of box_0's lidar").input_value() == "height")
     other.get_by_label("What colors the points of box_0's lidar").select_option("one color")
     it.frames(lambda: not bar.is_visible())

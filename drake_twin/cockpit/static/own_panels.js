@@ -115,9 +115,16 @@ class Section {
   constructor(panel, ask) {
     this.ask = ask;
     this.parts = new Map();
+    this.body = element("div");
+    this.node = element("section", { class: "group own-panel", "aria-label": panel.label }, element("h2", { text: panel.label }), this.body);
+    this.fill(panel);
+  }
+
+  // Draw what is in it, in place of what was.
+  fill(panel) {
+    this.parts.clear();
     const problem = panel.problem ? [element("p", { class: "refusal", role: "alert", text: panel.problem })] : [];
-    const heading = element("h2", { text: panel.label });
-    this.node = element("section", { class: "group own-panel", "aria-label": panel.label }, heading, ...problem, this.list(panel.items));
+    this.body.replaceChildren(...problem, this.list(panel.items));
   }
 
   list(items) {
@@ -153,18 +160,17 @@ class Section {
 }
 
 export default class OwnPanels {
-  // `onsection` lets the heading of a section fold it.
+  // `onsection` places a section on the page; without one, it looks what is left.
   constructor(ask, onsection) {
     this.ask = ask;
     this.onsection = onsection;
-    this.node = element("div");
     this.version = 0;
     this.newest = 0;
     this.sections = new Map(); // by the panel's number: its section, and the layout that it was made from
   }
 
   look() {
-    if (document.visibilityState !== "visible") return;
+    if (!this.timer || document.visibilityState !== "visible") return; // no panel has come yet
     const shown = [...this.sections].filter(([, { section }]) => section.isShown).map(([id]) => id);
     this.ask({ do: "Look", version: this.version, images: this.newest, shown });
   }
@@ -176,16 +182,16 @@ export default class OwnPanels {
       if (left.has(id)) continue;
       section.node.remove();
       this.sections.delete(id);
+      this.onsection(null);
     }
     for (const panel of panels) {
       const made = JSON.stringify(panel);
       const known = this.sections.get(panel.id);
       if (known?.made === made) continue;
-      const section = new Section(panel, this.ask);
-      if (known) known.section.node.replaceWith(section.node);
-      else this.node.append(section.node);
+      const section = known?.section ?? new Section(panel, this.ask);
+      if (known) section.fill(panel);
+      else this.onsection(section.node);
       this.sections.set(panel.id, { section, made });
-      this.onsection(section.node);
     }
   }
 

@@ -38,7 +38,7 @@ new Capture();
 const moreViews = new MoreViews();
 const help = new Help(() => show.described());
 const layout = new Layout(() => panels.look());
-const panels = new Panels(ask, (section) => layout.add(section));
+const panels = new Panels(ask, (section) => (section ? layout.add(section) : layout.tabs.tidy()));
 const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks), ...timeline.commands()], robots);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);

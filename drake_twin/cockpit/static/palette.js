@@ -111,7 +111,7 @@ function nameOf(node) {
 // A command of what can be operated: it is unfolded and shown; buttons and switches are pressed, all else gets the focus.
 // One that is not in the page is put there by `open`.
 function commandOf(node, robot = node.closest("[data-robot]")?.dataset.robot ?? "", open = () => {}) {
-  const group = node.closest(".group")?.dataset.tab ?? "";
+  const group = [node.closest(".group")?.dataset.tab, node.closest(".own-panel")?.ariaLabel].filter(Boolean).join(" · ");
   const name = nameOf(node);
   const state = node.type === "checkbox" ? (node.checked ? "on" : "off") : node.localName === "summary" ? "open" : "";
   return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), run: () => (open(), operate(node)) };
