@@ -123,6 +123,28 @@ def test_balls_of_centers_of_mass_are_seen_through_the_robot(page):
     assert at == pytest.approx(plant.CalcCenterOfMassPositionInWorld(context, [instance]), abs=1e-3)
 
 
+def test_frames_have_their_names_which_do_not_overlap(page):
+    it, tab = page
+    it.twin.pause()
+    tab.keyboard.press("y")
+    look_at(tab, "robot_1")
+    labels = tab.frame_locator("#scene").locator(".name.small")
+    links = {link.child_frame_id for topic in ("/tf", "/tf_static") for link in it.twin.latest(topic).transforms}
+    it.frames(lambda: set(labels.all_text_contents()) & links)
+    picture(tab)
+    assert set(labels.all_text_contents()) <= links
+    shown = tab.frame_locator("#scene").locator(".name.small:not([hidden])")
+    boxes = [shown.nth(index).bounding_box() for index in range(shown.count())]
+    assert len(boxes) > 2
+    for index, one in enumerate(boxes):
+        for other in boxes[:index]:
+            (left, right), (upper, lower) = (sorted((one, other), key=lambda box: box[axis]) for axis in "xy")
+            apart_x = right["x"] - left["x"] >= left["width"] - 1
+            assert apart_x or lower["y"] - upper["y"] >= upper["height"] - 1
+    tab.keyboard.press("y")
+    it.frames(lambda: labels.count() == 0)
+
+
 def test_the_ranges_of_joints_are_those_of_the_selected_robot(page):
     it, tab = page
     tab.keyboard.press("j")

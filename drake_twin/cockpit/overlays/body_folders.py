@@ -11,8 +11,7 @@ class BodyFolders:
     """Folders of the scene that move with bodies of the plant.
 
     A browser moves ``PATH/on/MODEL/BODY`` with what it draws of that body, so that no pose is sent for it. A body of
-    which nothing is drawn has its place in the folder of one that is welded to it. Only where there is none, poses are
-    sent.
+    which nothing is drawn has its place in the folder of one that is welded to it. Without such a body, poses are sent.
 
     Args:
         scene: The page's scene.

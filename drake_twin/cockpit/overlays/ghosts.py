@@ -1,6 +1,7 @@
 """Robots as they will be, or were at the start: what is drawn of each, translucent, at other places."""
 
 from collections.abc import Mapping
+from math import isfinite
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -9,6 +10,7 @@ from pydrake.systems.framework import Context
 from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.overlays.body_folders import BodyFolders
 from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.controllers.base_controller import Controller
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.twin.twin import Twin
@@ -42,7 +44,7 @@ class Starts:
 class Goals:
     """A copy of each robot with its joints where trajectories end and where positions are commanded.
 
-    It stands where the robot does; there is none while the robot is at its goal.
+    It stands where the robot does, and is hidden while the robot is at its goal.
     """
 
     def __init__(self, scene: Scene, twin: Twin):
@@ -77,7 +79,7 @@ class Goals:
         for name in self._twin.control.manager(plan.name).active:
             controller = controllers.get(name)
             if controller is not None and controller.claims:
-                goal |= controller.goal_positions(controller.GetMyContextFromRoot(self._twin.context))
+                goal |= _goal_of(controller, controller.GetMyContextFromRoot(self._twin.context))
         return {joint: at for joint, at in goal.items() if joint in parts.layout.positions}
 
     def _put(self, plan: RobotPlan, parts: RobotInPlant, goal: Mapping[str, float]) -> None:
@@ -102,6 +104,17 @@ class Goals:
         instance = self._twin.built.robots[plan.name].instance
         root = self._twin.plant.GetBodyByName(plan.model.root_body, instance)
         return f"{self._folders.of(root.index())[0]}/ghost"
+
+
+def _goal_of(controller: Controller, context: Context) -> dict[str, float]:
+    """Return where a controller brings joints (rad or m): the end of its trajectory, or the positions it commands."""
+    if (own := getattr(controller, "goal_positions", None)) is not None:  # it follows a trajectory
+        return dict(own(context))
+    if all(claim.name != "position" for claim in controller.claims):
+        return {}
+    commands = controller.get_command_interfaces_output_port().Eval(context)
+    pairs = zip(controller.interfaces, commands, strict=True)
+    return {item.joint: float(at) for item, at in pairs if item.name == "position" and isfinite(at)}
 
 
 def _drawn_bodies(scene: Scene, twin: Twin, plan: RobotPlan, context: Context) -> dict[str, RigidTransform]:
