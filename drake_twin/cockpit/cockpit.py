@@ -13,7 +13,7 @@ from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
+from drake_twin.cockpit.others_parts import NO_STATE, draw_panels, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
@@ -53,6 +53,7 @@ class Cockpit:
 
     Attributes:
         sensors: The sensors that the page shows.
+        panels: The Python halves of its panels by name.
     """
 
     def __init__(
@@ -82,9 +83,9 @@ class Cockpit:
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
-        self._panels: dict[str, Panel] = {}
+        self.panels: dict[str, Panel] = {}
         for name, panel in PANEL_KINDS.items():
-            self._panels[name] = make_panel(panel, twin)
+            self.panels[name] = make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         self.sensors = SensorView(twin, scene, server.send_bytes)
@@ -110,7 +111,7 @@ class Cockpit:
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
-        self._watch_panels(False)
+        watch_panels(self.panels, False)
         self._camera.follow("", self._twin)
 
     def process_requests(self, *, in_callback: bool = False) -> None:
@@ -155,6 +156,7 @@ class Cockpit:
         self._timeline.note(frame)
         for overlay in self._overlays.values():
             overlay.draw()
+        draw_panels(self.panels, self._scene)
         self._camera.draw(self._twin)
 
     def _follow_robots(self) -> None:
@@ -191,6 +193,8 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+            case protocol.ColorSensor(sensor, by):
+                self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
                 self._looks.at_efforts()
             case protocol.LookAtRobots(robots):
@@ -321,21 +325,18 @@ class Cockpit:
             raise known.unknown(name)
         if on and name not in self._overlays:
             self._overlays[name] = make_overlay(known[name], self._scene, self._twin)
+            self._timeline.tell(self._overlays[name])
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
 
     def _ask_panel(self, name: str, data: str) -> None:
-        if name not in self._panels:
-            raise InputError(f"unknown panel {name!r}", value=name, valid=self._panels)
+        if name not in self.panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
         try:
             value = json.loads(data)
         except (ValueError, RecursionError):
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
-        self._panels[name].ask(value)
-
-    def _watch_panels(self, is_watched: bool) -> None:
-        for panel in self._panels.values():
-            getattr(panel, "watch", lambda _: None)(is_watched)
+        self.panels[name].ask(value)
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
@@ -351,7 +352,7 @@ class Cockpit:
         if bool(clients) != bool(self._clients):
             (self._twin.inbox.open if clients else self._twin.inbox.close)(urgent=False)
             self.sensors.watch(bool(clients))
-            self._watch_panels(bool(clients))
+            watch_panels(self.panels, bool(clients))
             if self._player is None and not self._only_displayed:
                 self._timeline.watch(bool(clients))
         newcomers, self._clients = clients - self._clients, clients
@@ -385,11 +386,10 @@ class Cockpit:
             "recording": self._recording is not None,
             "recordings": self._recordings,
             "sensors": self.sensors.state(),
-            "panels": {name: data for name, item in self._panels.items() if (data := item.state()) is not NO_STATE},
+            "panels": {name: data for name, item in self.panels.items() if (data := item.state()) is not NO_STATE},
         }
-        looks = self._looks
-        present = state(self._twin, self._commands, more, looks.robots, with_efforts=looks.need_efforts)
-        looks.pass_snapshot()
+        present = state(self._twin, self._commands, more, self._looks.robots, with_efforts=self._looks.need_efforts)
+        self._looks.pass_snapshot()
         if self._player is not None:
             self._player.amend(present)
         texts["state"] = _json(present)

@@ -1,6 +1,7 @@
 """Parts of the page that other packages have added: one that fails is empty from then on, and the page continues."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay, OverlayKind
@@ -21,6 +22,18 @@ def make_panel(kind: PanelKind, twin: Twin) -> Panel:
 def make_overlay(kind: OverlayKind, scene: Scene, twin: Twin) -> Overlay:
     """Return an overlay for a twin; one of another package is guarded."""
     return _OthersOverlay(kind, scene, twin) if OVERLAY_KINDS.is_of_others(kind.name) else kind.type(scene, twin)
+
+
+def watch_panels(panels: Mapping[str, Panel], is_watched: bool) -> None:
+    """Tell the panels that want to know whether a browser is connected."""
+    for panel in panels.values():
+        getattr(panel, "watch", lambda _: None)(is_watched)
+
+
+def draw_panels(panels: Mapping[str, Panel], scene: Scene) -> None:
+    """Let the panels draw that have something in the scene."""
+    for panel in panels.values():
+        getattr(panel, "draw", lambda _: None)(scene)
 
 
 class _OthersPanel:
@@ -44,6 +57,9 @@ class _OthersPanel:
 
     def watch(self, is_watched: bool) -> None:
         self._code.run(getattr(self._panel, "watch", lambda _: None), is_watched)
+
+    def draw(self, scene: Scene) -> None:
+        self._code.run(getattr(self._panel, "draw", lambda _: None), scene)
 
 
 class _OthersOverlay:

@@ -23,11 +23,13 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
         teleop: Its drives.
         only_displayed: Whether the robots are displayed without physics.
     """
-    robots = [(robot.name, robot.model) for robot in twin.scenario.robots]
     return {
         "display_only": only_displayed,
-        "scenario": sha1(repr(robots).encode()).hexdigest()[:12],
-        "overlays": [{"name": kind.name, "label": kind.label, "hint": kind.hint} for kind in OVERLAY_KINDS.values()],
+        "layout": layout_key(twin),
+        "overlays": [
+            {"name": kind.name, "label": kind.label, "hint": kind.hint, "key": kind.key}
+            for kind in OVERLAY_KINDS.values()
+        ],
         "panels": list(PANEL_KINDS),
         "robots": [
             {
@@ -67,6 +69,13 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
             for plan in twin.built.plans
         ],
     }
+
+
+def layout_key(twin: Twin) -> str:
+    """Return what a browser keeps the shape of the page by: a digest of the names and files of the first robots."""
+    first = twin.entities.first_robots
+    robots = [(robot.name, robot.model) for robot in twin.scenario.robots if robot.name in first]
+    return sha1(repr(robots).encode()).hexdigest()[:12]
 
 
 def state(

@@ -98,6 +98,12 @@ class Timeline:
         while self._pictures[0].time < now - _SECONDS or (self._size > _MOST_BYTES and len(self._pictures) > 1):
             self._size -= self._pictures.popleft().size
 
+    def tell(self, overlay: object) -> None:
+        """Tell what was drawn to an overlay that wants to know it: to its method ``note_past(time, frame)``."""
+        if (note := getattr(overlay, "note_past", None)) is not None:
+            for picture in self._pictures:
+                note(picture.time, picture.frame)
+
     def look(self, time: float) -> None:
         """Pause, and draw the picture that is closest to a time (s) from now on.
 

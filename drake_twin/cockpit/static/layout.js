@@ -50,8 +50,8 @@ export class Layout {
   }
 
   // Show what was kept, once it is known which scenario the page shows.
-  structure({ scenario }) {
-    if (isNew(scenario)) this.restore();
+  structure({ layout }) {
+    if (isNew(layout)) this.restore();
     this.tabs.tidy();
   }
 
@@ -79,9 +79,9 @@ export class Layout {
   // Take up a panel's section. Other packages' panels are what a page is opened for, unless another tab was chosen.
   add(section) {
     this.tabs.add(section);
-    this.tabs.tidy();
     this.addFold(section);
     if (section.dataset.tab === (kept().tab ?? OTHERS)) this.tabs.choose(section.dataset.tab);
+    this.tabs.tidy();
   }
 
   // Bring what is in the side panel into view, whatever tab or group it is in.
