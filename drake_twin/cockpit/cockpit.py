@@ -380,9 +380,8 @@ class Cockpit:
             "sensors": self.sensors.state(),
             "panels": {name: data for name, item in self.panels.items() if (data := item.state()) is not NO_STATE},
         }
-        looks = self._looks
-        present = state(self._twin, self._commands, more, looks.robots, with_efforts=looks.need_efforts)
-        looks.pass_snapshot()
+        present = state(self._twin, self._commands, more, self._looks.robots, with_efforts=self._looks.need_efforts)
+        self._looks.pass_snapshot()
         if self._player is not None:
             self._player.amend(present)
         texts["state"] = _json(present)

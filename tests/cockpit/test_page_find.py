@@ -95,14 +95,14 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     assert panel.bounding_box()["width"] == pytest.approx(before + 140, abs=6)
     wide = panel.bounding_box()["width"]
     open_tab(tab, "View")
-    tab.get_by_role("button", name="In the scene", exact=True).click(force=True)
-    assert tab.locator("#overlays").is_hidden()
+    tab.get_by_role("button", name="Camera", exact=True).click(force=True)
+    assert tab.locator("#follow").is_hidden()
     tab.reload()
     it.frames(lambda: tab.locator("body.ready").count() == 1)
     assert panel.bounding_box()["width"] == wide
-    assert tab.locator("#overlays").is_hidden()
+    assert tab.locator("#follow").is_hidden()
     open_tab(tab, "ROS")
-    find(tab, "what is drawn besides")  # chooses its tab, and unfolds it
-    it.frames(lambda: tab.locator("#overlays").is_visible())
+    find(tab, "camera follows")  # chooses its tab, and unfolds it
+    it.frames(lambda: tab.locator("#follow").is_visible())
     edge.dblclick(force=True)
     assert panel.bounding_box()["width"] == before

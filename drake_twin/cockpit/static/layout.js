@@ -50,8 +50,8 @@ export class Layout {
   }
 
   // Show what was kept, once it is known which scenario the page shows.
-  structure({ scenario }) {
-    if (isNew(scenario)) this.restore();
+  structure({ layout }) {
+    if (isNew(layout)) this.restore();
     this.tabs.tidy();
   }
 
