@@ -13,7 +13,15 @@ from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
+from drake_twin.cockpit.others_parts import (
+    NO_STATE,
+    close_panels,
+    draw_beside,
+    draw_panels,
+    make_overlay,
+    make_panel,
+    watch_panels,
+)
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
@@ -53,6 +61,7 @@ class Cockpit:
 
     Attributes:
         sensors: The sensors that the page shows.
+        panels: The Python halves of its panels by name.
     """
 
     def __init__(
@@ -84,10 +93,10 @@ class Cockpit:
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
-        self._panels: dict[str, Panel] = {}
+        self.panels: dict[str, Panel] = {}
         for name, panel in PANEL_KINDS.items():
             own = None if player is None else player.panels.get(name)
-            self._panels[name] = own or make_panel(panel, twin)
+            self.panels[name] = own or make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         make_sensors = partial(SensorView, twin) if player is None else player.sensors
@@ -112,9 +121,8 @@ class Cockpit:
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
-        self._watch_panels(False)
-        for panel in self._panels.values():
-            getattr(panel, "close", lambda: None)()
+        watch_panels(self.panels, False)
+        close_panels(self.panels)
         self._camera.follow("", self._twin)
 
     def process_requests(self, *, in_callback: bool = False) -> None:
@@ -150,22 +158,10 @@ class Cockpit:
             self._try(self._do, *self._asked.popleft(), in_callback)
             self._follow_robots()
 
-    def panel(self, name: str) -> Panel:
-        """Return the Python half of a panel.
-
-        Raises:
-            InputError: If it is unknown.
-        """
-        if name not in self._panels:
-            raise InputError(f"unknown panel {name!r}", value=name, valid=self._panels)
-        return self._panels[name]
-
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
         looked = self._timeline.draw(wall_clock.perf_counter())
-        for panel in self._panels.values():
-            if (draw := getattr(panel, "draw", None)) is not None:
-                self._try(draw, self._scene, self._clock.time if looked is None else looked)
+        self._try(draw_beside, self.panels, self._scene, self._clock.time if looked is None else looked)
         if looked is not None:
             return
         frame = self._scene.frame(self._twin)
@@ -173,6 +169,7 @@ class Cockpit:
         self._timeline.note(frame)
         for overlay in self._overlays.values():
             overlay.draw()
+        draw_panels(self.panels, self._scene)
         self._camera.draw(self._twin)
 
     def _follow_robots(self) -> None:
@@ -209,6 +206,8 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+            case protocol.ColorSensor(sensor, by):
+                self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
                 self._efforts_left = _PATIENCE
             case protocol.Follow(robot):
@@ -314,20 +313,18 @@ class Cockpit:
             raise known.unknown(name)
         if on and name not in self._overlays:
             self._overlays[name] = make_overlay(known[name], self._scene, self._twin)
+            self._timeline.tell(self._overlays[name])
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
 
     def _ask_panel(self, name: str, data: str) -> None:
-        panel = self.panel(name)
+        if name not in self.panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
         try:
             value = json.loads(data)
         except (ValueError, RecursionError):
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
-        panel.ask(value)
-
-    def _watch_panels(self, is_watched: bool) -> None:
-        for panel in self._panels.values():
-            getattr(panel, "watch", lambda _: None)(is_watched)
+        self.panels[name].ask(value)
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
@@ -343,7 +340,7 @@ class Cockpit:
         if bool(clients) != bool(self._clients):
             (self._twin.inbox.open if clients else self._twin.inbox.close)(urgent=False)
             self.sensors.watch(bool(clients))
-            self._watch_panels(bool(clients))
+            watch_panels(self.panels, bool(clients))
             if self._player is None and not self._only_displayed:
                 self._timeline.watch(bool(clients))
         newcomers, self._clients = clients - self._clients, clients
@@ -379,7 +376,7 @@ class Cockpit:
             "recording": self._recording is not None,
             "recordings": self._recordings,
             "sensors": self.sensors.state(),
-            "panels": {name: data for name, item in self._panels.items() if (data := item.state()) is not NO_STATE},
+            "panels": {name: data for name, item in self.panels.items() if (data := item.state()) is not NO_STATE},
         }
         present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
         self._efforts_left -= 1

@@ -12,9 +12,8 @@ from drake_twin.twin.twin import Twin
 class Panel(Protocol):
     """The Python half of a panel, made with the twin that the page shows. Data are plain: what JSON can hold.
 
-    If it has a method ``watch(is_watched)``, that is called when the first browser connects and when the last one goes;
-    ``draw(scene, time)``, with each picture that a browser is shown, and the time (s) that it shows; ``close()``, when
-    the page shows another twin or ends.
+    If it has a method ``watch(is_watched)``, that is called when the first browser connects and when the last one goes,
+    and ``draw(scene)`` for each picture of the `drake_twin.cockpit.scene.Scene` while a browser draws it.
     """
 
     def __init__(self, twin: Twin): ...

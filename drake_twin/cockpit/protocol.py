@@ -178,6 +178,14 @@ class ShowSensor(Request):
 
 
 @dataclass(frozen=True)
+class ColorSensor(Request):
+    """Color the points of a sensor by range, height or intensity, or with one color."""
+
+    sensor: str
+    by: str
+
+
+@dataclass(frozen=True)
 class LookAtEfforts(Request):
     """A tab shows efforts, for which the plant solves a step; repeated about once a second."""
 

@@ -16,11 +16,13 @@ from pydrake.math import RigidTransform
 from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
 from drake_twin.shared_viewer.meshcat_protocol import Command, delete, set_object, set_property, set_transform
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene, place_of_robots
-from drake_twin.shared_viewer.three_js import lines_object, points_object, three_js_object
+from drake_twin.shared_viewer.three_js import ghost_object, lines_object, points_object, three_js_object
 from drake_twin.twin.twin import Twin
 
 TWIN = "/twin"  # the path of the twin's bodies
 OVERLAYS = "/overlays"  # the path of the overlays
+
+_ON_TOP = {"depthTest": False, "depthWrite": False, "transparent": True}  # of materials: drawn after all else
 
 CommandKey = tuple[bytes, ...]
 
@@ -109,10 +111,11 @@ class Scene:
         """Return whether an object is at or below a path."""
         return any(drawn == path or drawn.startswith(f"{path}/") for drawn in self.everything().paths())
 
-    def set_object(self, path: str, shape: Shape, color: Rgba) -> None:
-        """Draw a shape at a path, in place of the object there."""
+    def set_object(self, path: str, shape: Shape, color: Rgba, *, on_top: bool = False) -> None:
+        """Draw a shape at a path, in place of the object there; `on_top` draws it over what hides it."""
         rgba = (color.r(), color.g(), color.b(), color.a())
-        self._send([set_object(path, three_js_object(DrawnGeometry(path, shape, rgba, np.eye(4))))])
+        drawn = three_js_object(DrawnGeometry(path, shape, rgba, np.eye(4)), **(_ON_TOP if on_top else {}))
+        self._send([set_object(path, drawn)])
 
     def set_points(
         self, path: str, points: np.ndarray, color: tuple[float, float, float] | np.ndarray, size: float
@@ -120,9 +123,18 @@ class Scene:
         """Draw points (m, shape (n, 3)) of a size (m) at a path, in place of what is there; each may have its color."""
         self._send([set_object(path, points_object(path, points, color, size))])
 
-    def set_lines(self, path: str, ends: np.ndarray, color: tuple[float, float, float]) -> None:
-        """Draw line segments from the first end to the second, … (m, shape (2 n, 3)) at a path."""
-        self._send([set_object(path, lines_object(path, ends, color))])
+    def set_lines(
+        self, path: str, ends: np.ndarray, color: tuple[float, float, float] | np.ndarray, *, on_top: bool = False
+    ) -> None:
+        """Draw line segments from the first end to the second, … (m, shape (2 n, 3)) at a path.
+
+        Each end may have its color; `on_top` draws them over what hides them.
+        """
+        self._send([set_object(path, lines_object(path, ends, color, **(_ON_TOP if on_top else {})))])
+
+    def set_ghost(self, path: str, body: str, color: tuple[float, float, float]) -> None:
+        """Draw a translucent copy of a body, by its path below the twin's, at a path; the browser has its geometry."""
+        self._send([set_object(path, ghost_object(path, body, color))])
 
     def set_transform(self, path: str, X_PF: RigidTransform | np.ndarray) -> None:
         """Set the pose of a path F, and of all below it, in its parent P; a 4x4 matrix may scale it, too."""
@@ -155,9 +167,14 @@ class Scene:
 
     def frame(self, twin: Twin) -> Frame:
         """Return what `draw` would draw."""
+        scene = self.shared(twin)
+        return Frame(scene, scene.poses(twin))
+
+    def shared(self, twin: Twin) -> SharedScene:
+        """Return what is drawn of a twin's bodies."""
         if self._drawn is None or not self._drawn.shows(twin):
             self._drawn = SharedScene(twin)
-        return Frame(self._drawn, self._drawn.poses(twin))
+        return self._drawn
 
     def show(self, frame: Frame) -> None:
         """Draw what may have been drawn before."""

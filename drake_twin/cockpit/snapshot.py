@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from hashlib import sha1
 from typing import Any
 
 from drake_twin.cockpit.joint_commands import JointCommands, joint_slider
@@ -24,7 +25,11 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
     """
     return {
         "display_only": only_displayed,
-        "overlays": [{"name": kind.name, "label": kind.label, "hint": kind.hint} for kind in OVERLAY_KINDS.values()],
+        "layout": layout_key(twin),
+        "overlays": [
+            {"name": kind.name, "label": kind.label, "hint": kind.hint, "key": kind.key}
+            for kind in OVERLAY_KINDS.values()
+        ],
         "panels": list(PANEL_KINDS),
         "robots": [
             {
@@ -63,6 +68,13 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
             for plan in twin.built.plans
         ],
     }
+
+
+def layout_key(twin: Twin) -> str:
+    """Return what a browser keeps the shape of the page by: a digest of the names and files of the first robots."""
+    first = twin.entities.first_robots
+    robots = [(robot.name, robot.model) for robot in twin.scenario.robots if robot.name in first]
+    return sha1(repr(robots).encode()).hexdigest()[:12]
 
 
 def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any], *, with_efforts: bool = True) -> dict[str, Any]:

@@ -145,6 +145,12 @@ class Timeline:
             case protocol.LookAtNow():
                 self.look_at_now()
 
+    def tell(self, overlay: object) -> None:
+        """Tell what was drawn to an overlay that wants to know it: to its method ``note_past(time, frame)``."""
+        if (note := getattr(overlay, "note_past", None)) is not None:
+            for picture in self._pictures:
+                note(picture.time, picture.frame)
+
     def look(self, time: float) -> None:
         """Pause, and draw the picture that is closest to a time (s) from now on.
 

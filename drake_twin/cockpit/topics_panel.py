@@ -9,7 +9,6 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from hashlib import sha1
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from drake_twin.cockpit.heard_topic import HeardTopic, TopicRate, all_endpoints,
 from drake_twin.cockpit.message_fields import field_rows
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import Lines, read_as
+from drake_twin.cockpit.snapshot import layout_key
 from drake_twin.cockpit.topic_form import empty_form, form_of
 from drake_twin.diagram.picture import dot_text, svg_of
 from drake_twin.errors import InputError, RunError
@@ -102,8 +102,7 @@ class TopicsPanel:
         self._snapshots = -1  # since the frames were first shown
         self._batches: deque[dict[str, Any]] = deque(maxlen=_BATCHES)
         self._batch = 0
-        robots = [(robot.name, robot.model) for robot in twin.scenario.robots]
-        self._layout = sha1(repr(robots).encode()).hexdigest()[:12]  # what the browser keeps the plots by
+        self._layout = layout_key(twin)  # what the browser keeps the plots by
         self._drawing: threading.Thread | None = None
         self._drawn: deque[dict[str, Any]] = deque()  # the diagram, once for each snapshot that it is still sent with
 

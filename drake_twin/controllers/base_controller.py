@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -207,6 +208,12 @@ class Controller(WitnesslessSystem):
 
     def cancel(self, context: Context) -> None:
         """Cancel the newest goal of its action."""
+
+    def goal_positions(self, context: Context) -> dict[str, float]:
+        """Return where it brings joints (rad or m): the positions that it commands, or the end of what it follows."""
+        commands = self.get_command_interfaces_output_port().Eval(context)
+        pairs = zip(self.interfaces, commands, strict=True)
+        return {item.joint: float(at) for item, at in pairs if item.name == "position" and isfinite(at)}
 
     def drafter(self, topic: str, places: Sequence[int]) -> Drafter | None:
         """Return what drafts a topic's messages, if they follow from the plant's state and efforts alone; else None.

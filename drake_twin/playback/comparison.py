@@ -187,7 +187,7 @@ class Comparison:
         self._close()
         self._other = other
 
-    def draw(self, scene: Scene, time: float) -> None:
+    def draw_beside(self, scene: Scene, time: float) -> None:
         """Draw the other's robots at a time (s)."""
         if self._gone:
             self._gone = False

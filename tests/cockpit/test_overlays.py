@@ -12,17 +12,29 @@ from drake_twin.cockpit.overlays.contact_forces import _forces
 from drake_twin.cockpit.overlays.frames import _in_world, _transforms
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 
+NEED_MORE = ("sensors", "tracks", "goals")  # than a rover that stands has
+
 
 class Drawn:
     """What Meshcat would be told."""
 
     def __init__(self):
         self.objects = {}
+        self.lines = {}
         self.colors = {}
         self.transforms = {}
         self.deleted = []
 
-    def set_object(self, path, shape, *color):
+    def shared(self, twin):
+        return Scene().shared(twin)
+
+    def set_property(self, path, name, value):
+        pass
+
+    def set_lines(self, path, ends, color, **_):
+        self.lines[path] = ends
+
+    def set_object(self, path, shape, *color, **_):
         self.objects[path] = shape
         self.colors[path] = color
 
@@ -40,31 +52,29 @@ def twin():
     return twin
 
 
-@pytest.mark.parametrize("name", ["frames", "contacts", "collision", "inertia"])
+@pytest.mark.parametrize("name", [*OVERLAY_KINDS])
 def test_an_overlay_is_there_while_it_is_shown_and_leaves_nothing(twin, name):
     scene = Scene()
     overlay = OVERLAY_KINDS[name].type(scene, twin)
     overlay.draw()
-    assert scene.has_path(OVERLAYS)
+    assert scene.has_path(OVERLAYS) or name in NEED_MORE
     overlay.remove()
-    assert not any(scene.has_path(f"{OVERLAYS}/{below}") for below in ("frames", "contact", "collision", "inertia"))
+    assert not scene.has_path(OVERLAYS)
 
 
 def test_collision_shapes_are_those_of_contact_and_go_along_with_their_links(twin):
     drawn = Drawn()
     shapes = OVERLAY_KINDS["collision"].type(drawn, twin)
     shapes.draw()
-    base = twin.plant.GetBodyByName("robot_2_base_link", twin.plant.GetModelInstanceByName("robot_2"))
-    path = f"{OVERLAYS}/collision/{int(base.index())}"
+    path = f"{OVERLAYS}/collision/on/robot_2/robot_2_base_link"
     shapes_of_base = [shape for name, shape in drawn.objects.items() if name.startswith(f"{path}/")]
     assert [type(shape) for shape in shapes_of_base] == [Box]
-    wheel = twin.plant.GetBodyByName("robot_2_rear_left_wheel").index()
-    (of_wheel,) = [name for name in drawn.objects if name.startswith(f"{OVERLAYS}/collision/{int(wheel)}/")]
+    on = f"{OVERLAYS}/collision/on/robot_2"
+    (of_wheel,) = [name for name in drawn.objects if name.startswith(f"{on}/robot_2_rear_left_wheel/")]
     (of_base,) = [name for name in drawn.objects if name.startswith(f"{path}/")]
     assert type(drawn.objects[of_wheel]) is Ellipsoid
     assert len({str(drawn.colors[name]) for name in (of_wheel, of_base)}) == 2
-    pose = twin.plant.EvalBodyPoseInWorld(twin.plant.GetMyContextFromRoot(twin.context), base)
-    assert drawn.transforms[path].IsNearlyEqualTo(pose, 1e-12)
+    assert path not in drawn.transforms  # the browser moves it
 
 
 def test_an_inertia_ellipsoid_has_the_bodys_moments(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from browser import BROWSER_TESTS, browser, draw, open_tab, page, show
 from conftest import ARM, ROVER, rovers
 from in_scene import item, look_at, place_of, tools
+from show_menu import press
 from world_with_crate import rover_and_crate
 
 from drake_twin import TwinBuilder
@@ -114,8 +115,7 @@ def test_names_stand_above_robots_and_follow_them(page):
     names = tab.frame_locator("#scene").locator(".name")
     assert names.count() == 0
     draw(tab)  # they are laid above the picture
-    open_tab(tab, "View")
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     it.frames(lambda: names.count() == 2)
     assert names.all_inner_texts() == ["robot_1", "robot_2"]
     it.for_frames(3)
@@ -131,7 +131,7 @@ def test_names_stand_above_robots_and_follow_them(page):
     it.frames(lambda: abs(middle() - place_of(tab, (0, -0.7, 0.4))[0]) < 12)
     it.twin.entities.delete("robot_2")
     it.frames(lambda: names.count() == 1)
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     it.frames(lambda: names.count() == 0)
 
 

@@ -46,7 +46,7 @@ def test_a_topic_is_found_by_a_part_of_its_name(page):
 def test_switches_and_what_is_in_the_world_are_found(page):
     it, tab = page
     find(tab, "contact forces")
-    it.frames(lambda: tab.get_by_label("Contact forces").is_checked())
+    it.frames(lambda: "contacts" in it.cockpit._overlays)
     find(tab, "robot_2 base_link", enter=False)
     it.frames(lambda: len(found(tab)) > 0)
     tab.keyboard.press("Enter")
@@ -102,7 +102,7 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     assert panel.bounding_box()["width"] == wide
     assert tab.locator("#overlays").is_hidden()
     open_tab(tab, "ROS")
-    find(tab, "contact forces")  # chooses its tab, and unfolds it
+    find(tab, "what is drawn besides")  # chooses its tab, and unfolds it
     it.frames(lambda: tab.locator("#overlays").is_visible())
     edge.dblclick(force=True)
     assert panel.bounding_box()["width"] == before

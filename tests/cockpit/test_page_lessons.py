@@ -8,6 +8,7 @@ Only what a reader of the page sees is used: labels, names of buttons, the numbe
 import pytest
 from browser import BROWSER_TESTS, browser, folder, open_tab, show
 from conftest import ARM, ROVER, rovers
+from show_menu import press
 
 pytestmark = BROWSER_TESTS
 
@@ -55,8 +56,7 @@ def test_several_robots_in_one_world(show):
     it.frames(lambda: tab.locator(".topics button", has_text="/left/joint_states").count() == 1)
     tab.locator(".topics-panel summary", has_text="Frames").click()
     it.frames(lambda: tab.locator(".frames li", has_text="right_base_link").count() >= 1)
-    open_tab(tab, "View")
-    tab.get_by_label("Frames (tf)").click(force=True)
+    press(tab, "Frames (tf)")
     it.frames(lambda: it.scene.has_path("/overlays/frames"))
     open_tab(tab, "Robots")
     controller = folder(tab, "left").get_by_label("left forward_velocity_controller", exact=True)

@@ -6,6 +6,7 @@ import logging
 from html import escape
 
 from browser import BROWSER_TESTS, browser, folder, open_tab, show
+from show_menu import press
 
 from drake_twin import TwinBuilder
 
@@ -42,8 +43,7 @@ def test_markup_in_names_is_not_interpreted(show, tmp_path):
     for key in ("ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown"):
         rows.first.press(key) if key == "ArrowRight" else tab.keyboard.press(key)
         it.for_frames(3)
-    open_tab(tab, "View")
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     open_tab(tab, "Robots")
     folder(tab, "made").get_by_title(f"Plot {'hinge ' + EVIL}").first.click()
     it.for_frames(20)

@@ -7,6 +7,7 @@ import pytest
 from browser import BROWSER_TESTS, browser, open_tab, orange, page, picture, show
 from conftest import ARM, rovers
 from in_scene import tools
+from show_menu import press
 
 from drake_twin import TwinBuilder
 from drake_twin.builder.demo import demo_scenario
@@ -106,8 +107,7 @@ def test_names_do_not_overlap_and_the_nearest_robots_has_one(show):
     it, tab = show(rovers(8).scenario())
     it.twin.pause()
     it.for_frames(5)
-    open_tab(tab, "View")
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     tab.keyboard.press("3")
     picture(tab)
     labels = tab.frame_locator("#scene").locator(".name:not([hidden])")

@@ -10,6 +10,8 @@ from browser import BROWSER_TESTS, browser, changed, open_tab, orange, orange_bo
 from PIL import Image
 from playwright.sync_api import expect
 from robots_to_steer import WHEELS_1
+from show_menu import press
+from show_menu import switch as show_switch
 
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.cockpit.scene import OVERLAYS
@@ -56,10 +58,10 @@ def test_each_overlay_is_drawn_and_taken_away(page):
         "Inertia": "inertia",
     }
     for label, path in overlays.items():
-        tab.get_by_label(label).click(force=True)
+        press(tab, label)
         it.frames(lambda path=path: it.scene.has_path(f"{OVERLAYS}/{path}"))
         it.frames(lambda: changed(before, picture(tab)) > 200, most=200)
-        tab.get_by_label(label).click(force=True)
+        press(tab, label)
         it.frames(lambda path=path: not it.scene.has_path(f"{OVERLAYS}/{path}"))
         it.frames(lambda: changed(before, picture(tab)) < 20, most=200)
 
@@ -115,8 +117,7 @@ def test_the_side_panel_is_folded_away(page):
 
 def test_a_switch_keeps_what_was_pressed_until_the_twin_has_heard_of_it(page):
     it, tab = page
-    open_tab(tab, "View")
-    switch = tab.get_by_label("Contact forces")
+    switch = show_switch(tab, "Contact forces")
     switch.click(force=True)
     it.cockpit.publish(7.77)  # a state from before the request
     expect(tab.locator("#factor")).to_have_text("7.77")

@@ -95,7 +95,7 @@ def test_a_run_is_compared_as_it_goes_on(bags):
 def test_the_others_robots_are_drawn_where_they_were(playing, bags):
     scene = Scene()
     playing.comparison.open(bags / "other")
-    playing.comparison.draw(scene, 1.5)
+    playing.comparison.draw_beside(scene, 1.5)
     assert scene.has_path(GHOSTS)
     ghost = playing.comparison._other._player
     assert ghost.time == pytest.approx(1.5)
@@ -104,7 +104,7 @@ def test_the_others_robots_are_drawn_where_they_were(playing, bags):
     apart = np.abs(turned[0] - turned[1])
     assert apart.max() == pytest.approx(1.5, abs=0.1)  # 1 rad/s more on one wheel
     playing.comparison.ask({"do": "Close"})
-    playing.comparison.draw(scene, 1.5)
+    playing.comparison.draw_beside(scene, 1.5)
     assert not scene.has_path(GHOSTS)
 
 

@@ -19,7 +19,7 @@ _HEAD = 0.02  # m
 _COLOR = Rgba(0.80, 0.20, 0.20)
 
 
-@overlay("contacts", "Contact forces")
+@overlay("contacts", "Contact forces", "The force on what moves, 1 m for 100 N", "C")
 class ContactForces:
     """The contact force on the body that moves, or on the second body when both move.
 

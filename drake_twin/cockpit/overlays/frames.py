@@ -15,7 +15,7 @@ _LENGTH, _RADIUS = 0.15, 0.004  # m
 _COLORS = (Rgba(0.86, 0.2, 0.2), Rgba(0.2, 0.66, 0.26), Rgba(0.2, 0.4, 0.88))
 
 
-@overlay("frames", "Frames (tf)")
+@overlay("frames", "Frames (tf)", "The frames of /tf and /tf_static, with their names", "Y")
 class Frames:
     """Axes for each frame, at the pose in ``world`` that a tf listener would compute."""
 

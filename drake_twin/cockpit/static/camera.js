@@ -1,6 +1,6 @@
 // The camera: it fits what is selected, or all robots, also at the start; presets; names above robots.
 
-import { $, element, toggle } from "./dom.js";
+import { $, element } from "./dom.js";
 
 const VIEWS = {
   Angle: [0.75, -0.65, 0.65],
@@ -13,11 +13,11 @@ export class Camera {
   constructor() {
     this.names = [];
     this.isSettled = false;
+    this.hasNames = false;
+    this.named = []; // those that are shown; null until they are written
     const button = (text, title, onclick) => element("button", { class: "small", text, title, "aria-label": title, onclick });
     const views = Object.keys(VIEWS).map((name, index) => button(name, `${name} view (${index + 1})`, () => this.view(name)));
-    const names = toggle("Names", "Names above robots", (on) => this.tools?.showNames(on ? this.names : []));
-    this.shown = names.input;
-    $("camera").append(button("Fit", "Fit the selection, or all robots (F)", () => this.fit()), ...views, names.node);
+    $("camera").append(button("Fit", "Fit the selection, or all robots (F)", () => this.fit()), ...views);
   }
 
   // The scene's tools; null until its frame is loaded.
@@ -43,10 +43,24 @@ export class Camera {
 
   structure({ robots }) {
     this.names = robots.map((robot) => robot.name);
-    if (this.shown.checked) this.tools?.showNames(this.names);
+    this.named = null;
+  }
+
+  // Show the names of robots, or no more.
+  showNames(on) {
+    this.hasNames = on;
+    this.named = null;
+    this.writeNames();
+  }
+
+  writeNames() {
+    if (this.named || !this.tools) return; // its frame is not loaded yet
+    this.named = this.hasNames ? this.names : [];
+    this.tools.showNames(this.named);
   }
 
   state({ followed }) {
+    this.writeNames();
     if (this.isSettled) return;
     // Meshes are loaded one by one, robots come and drive away, the pane changes its size: fit again, until somebody moves
     // the camera.

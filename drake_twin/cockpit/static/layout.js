@@ -61,9 +61,9 @@ export class Layout {
   // Take up a panel's section. Other packages' panels are what a page is opened for, unless another tab was chosen.
   add(section) {
     this.tabs.add(section);
-    this.tabs.tidy();
     this.addFold(section);
     if (section.dataset.tab === (stored().tab ?? OTHERS)) this.tabs.choose(section.dataset.tab);
+    this.tabs.tidy();
   }
 
   // Bring what is in the side panel into view, whatever tab or group it is in.

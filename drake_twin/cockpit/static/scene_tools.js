@@ -1,6 +1,7 @@
 // What a person does in the scene: the page calls these through its iframe. Paths are below the twin's folder.
 
 import { Handles } from "./handles.js";
+import { Placing } from "./placing.js";
 
 const { THREE } = MeshCat;
 const CLICK = 4; // pixels that the pointer may move in a click
@@ -20,11 +21,12 @@ class SceneTools {
     this.onrelease = null; // is given { entity }
     this.pulls = false; // whether a press on a link drags it; with Ctrl it always does
     this.onplace = null; // is given { xyz, rpy } of what the handles have moved
-    this.clickOwner = null; // is given clicks in place of onclick
+    this.clickOwner = null; // is given clicks in place of onclick, and if it has hovered(hit), what is under the pointer
     this.glowing = new Map(); // material → its own color
     this.paths = [];
     this.ray = new THREE.Raycaster();
     this.handles = new Handles();
+    this.placing = new Placing(this);
     this.pane = viewer.dom_element; // which captures the pointer for the camera
     this.pane.addEventListener("pointerdown", (event) => this.press(event), true);
     this.isTouched = false;
@@ -117,7 +119,7 @@ class SceneTools {
       this.drawPull();
       return;
     }
-    if (!this.handles.taken) return;
+    if (!this.handles.taken) return this.placing.hover(event);
     event.stopPropagation();
     this.aim(event);
     this.moved = this.handles.drag(this.ray);
@@ -221,7 +223,7 @@ class SceneTools {
   // What is at a place of the picture: its path and the point in the world (m); null if nothing is.
   pick(place) {
     this.aim(place);
-    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line].includes(child));
+    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line, this.placing.box].includes(child));
     const hit = this.ray.intersectObjects(drawn, true).find(({ object }) => isSeen(object));
     if (!hit) return null;
     const names = [];
