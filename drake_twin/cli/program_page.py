@@ -48,7 +48,7 @@ class ProgramPage:
         if self._view_sensors:
             cockpit.sensors.show_all()
         if self._compared is not None:
-            comparison: Any = cockpit.panel("compare")
+            comparison: Any = cockpit.panels["compare"]
             comparison.open(self._compared)
         if self._shown is None:
             self._page.announce(open_browser=self._open_browser)

@@ -52,7 +52,7 @@ def middle(it):
 
 def pause(it, tab):
     it.twin.pause()
-    heard = it.cockpit._panels["topics"]._heard[STATES]
+    heard = it.cockpit.panels["topics"]._heard[STATES]
     drawn = "async () => (await import('./plots.js')).plots.figures[1].plot.bounds()[1]"
     it.frames(lambda: tab.evaluate(drawn) == pytest.approx(heard.time, abs=1e-6))
     it.frames(lambda: tab.locator("#play").get_attribute("aria-label") == "Play")
