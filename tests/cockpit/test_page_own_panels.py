@@ -94,6 +94,7 @@ def test_two_tabs_show_the_same_values_and_those_that_the_program_sets(shown):
     heard = []
     controls = fill(add("Gripper"), it.twin, heard)
     two = it.tab()
+    one, two = (tab.get_by_role("region", name="Gripper") for tab in (one, two))
     it.frames(lambda: [tab.get_by_label("mass").count() for tab in (one, two)] == [1, 1])
     one.get_by_role("slider", name="width").press("End")
     it.frames(lambda: two.get_by_label("width, number").input_value() == "0.08")
