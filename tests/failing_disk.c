@@ -1,7 +1,8 @@
-/* A disk that fails: preloaded into a program, it lets one of its calls fail that writes under a folder.
+/* A machine that fails: preloaded into a program, it lets one of its calls fail that writes under a folder.
  *
- * FAILING_UNDER   the folder; without it nothing happens
- * FAILING_CALL    which calls are counted: open write sync rename link mkdir resize close, or all of them: any
+ * FAILING_UNDER   the folder; without it nothing happens to files
+ * FAILING_CALL    which calls are counted: open write sync rename link mkdir resize close, or all of them: any;
+ *                 or else: read, under the folder; bind, of a port; clock, which is set back by an hour
  * FAILING_NUMBER  the first of them that fails; 0: none
  * FAILING_ERRNO   with what; 0: the process is killed there
  * FAILING_LASTS   1: all that follow fail, too, as on a full disk
@@ -19,8 +20,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/uio.h>
+#include <time.h>
 #include <unistd.h>
 
 static int is_under(const char *path) {
@@ -78,10 +82,11 @@ static int64_t *state(void) {
 
 /* Count a call; return whether it fails, with errno. */
 static int fails(const char *call) {
+    int is_write = strcmp(call, "read") && strcmp(call, "bind") && strcmp(call, "clock");
     const char *wanted = getenv("FAILING_CALL"), *number = getenv("FAILING_NUMBER");
     const char *with = getenv("FAILING_ERRNO"), *lasts = getenv("FAILING_LASTS");
     int64_t *shared = state();
-    if (!shared || !wanted || (strcmp(wanted, "any") && strcmp(wanted, call)))
+    if (!shared || !wanted || (strcmp(wanted, is_write ? "any" : call) && strcmp(wanted, call)))
         return 0;
     int64_t first = number ? atoll(number) : 0;
     int64_t count = __atomic_add_fetch(&shared[0], 1, __ATOMIC_SEQ_CST);
@@ -176,3 +181,35 @@ ON_PATH("mkdir", mkdir, (const char *path, mode_t mode), (path, mode), AT_FDCWD,
 ON_PATH("mkdir", mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), at, path)
 ON_PATH("resize", truncate, (const char *path, off_t size), (path, size), AT_FDCWD, path)
 ON_PATH("resize", truncate64, (const char *path, off64_t size), (path, size), AT_FDCWD, path)
+
+ON_FILE("read", ssize_t, read, (int file, void *data, size_t size), (file, data, size))
+ON_FILE("read", ssize_t, readv, (int file, const struct iovec *parts, int count), (file, parts, count))
+ON_FILE("read", ssize_t, pread, (int file, void *data, size_t size, off_t at), (file, data, size, at))
+ON_FILE("read", ssize_t, pread64, (int file, void *data, size_t size, off64_t at), (file, data, size, at))
+
+int bind(int socket, const struct sockaddr *address, socklen_t size) {
+    int has_port = address->sa_family == AF_INET || address->sa_family == AF_INET6;
+    return has_port && fails("bind") ? -1 : REAL(bind)(socket, address, size);
+}
+
+#define HOUR 3600
+int clock_gettime(clockid_t clock, struct timespec *now) {
+    int result = REAL(clock_gettime)(clock, now);
+    if (clock == CLOCK_REALTIME && fails("clock"))
+        now->tv_sec -= HOUR;
+    return result;
+}
+
+int gettimeofday(struct timeval *now, void *zone) {
+    int result = REAL(gettimeofday)(now, zone);
+    if (fails("clock"))
+        now->tv_sec -= HOUR;
+    return result;
+}
+
+time_t time(time_t *also) {
+    time_t now = REAL(time)(NULL) - (fails("clock") ? HOUR : 0);
+    if (also)
+        *also = now;
+    return now;
+}

@@ -168,6 +168,18 @@ JOBS = {
 }
 
 
+def port_jobs(port: int) -> dict[str, Job]:
+    """Return programs that open ports: this one, if they can be told."""
+    run, outputs = f"{ROVER} --robots 1 --duration 0.3 --summary OUT/summary.json", ("summary.json",)
+    return {
+        "page at any port": Job("run", f"{run} --no-browser", outputs),
+        "zenoh": Job("run", f"{run} --headless --ros zenoh --ros-port {port}", outputs),
+        "foxglove": Job("run", f"{run} --headless --foxglove --foxglove-port {port}", outputs),
+        "dds": Job("run", f"{run} --headless --ros dds", outputs, {"ROS_DOMAIN_ID": "91"}),
+        "page": Job("run", f"{run} --no-browser --port {port}", outputs),
+    }
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What a run ended with.
@@ -221,7 +233,9 @@ class FaultyRuns:
         """The folder of the files that jobs need."""
         return self._inputs
 
-    def run(self, job: Job, *, call="any", number=0, error=errno.ENOSPC, lasts=False, replaces=False) -> Outcome:
+    def run(
+        self, job: Job, *, call="any", number=0, error=errno.ENOSPC, lasts=False, replaces=False, under=None
+    ) -> Outcome:
         """Run a job.
 
         Args:
@@ -231,6 +245,7 @@ class FaultyRuns:
             error: With what, or `KILLED`.
             lasts: Whether all that follow fail, too.
             replaces: Whether its files are there before.
+            under: The folder whose files' calls are counted, if not the one that the job writes into.
         """
         self._count += 1
         work = self._folder / str(self._count)
@@ -245,7 +260,7 @@ class FaultyRuns:
         environment = {
             **{name: text.replace("OUT", str(out)) for name, text in job.environment.items()},
             "TMPDIR": str(work / "tmp"),
-            "FAILING_UNDER": f"{out}/",
+            "FAILING_UNDER": f"{under or out}/",
             "FAILING_CALL": call,
             "FAILING_NUMBER": str(number),
             "FAILING_ERRNO": str(error),
@@ -304,7 +319,7 @@ def problems(job: Job, outcome: Outcome, healthy: Outcome, *, killed: bool) -> l
         found += [f"{name} is not named" for name in lost if name not in outcome.said and not name.startswith("out.")]
         if outcome.left:
             found.append(f"it leaves {outcome.left}")
-    if job.may_do_without and not killed:
+    if not killed:
         states = [re.findall(r"state (\w+)", item.said) for item in (outcome, healthy)]
         if outcome.code == 0 and states[0] != states[1]:
             found.append("the robot is another one")

@@ -14,13 +14,22 @@ from pydrake.geometry import Rgba, Shape
 from pydrake.math import RigidTransform
 
 from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
-from drake_twin.shared_viewer.meshcat_protocol import Command, delete, set_object, set_property, set_transform
+from drake_twin.shared_viewer.meshcat_protocol import (
+    Command,
+    TransformWriter,
+    delete,
+    set_object,
+    set_property,
+    set_transform,
+)
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene, place_of_robots
-from drake_twin.shared_viewer.three_js import lines_object, points_object, three_js_object
+from drake_twin.shared_viewer.three_js import ghost_object, lines_object, points_object, three_js_object
 from drake_twin.twin.twin import Twin
 
 TWIN = "/twin"  # the path of the twin's bodies
 OVERLAYS = "/overlays"  # the path of the overlays
+
+_ON_TOP = {"depthTest": False, "depthWrite": False, "transparent": True}  # of materials: drawn after all else
 
 CommandKey = tuple[bytes, ...]
 
@@ -83,6 +92,7 @@ class Scene:
         self._moved: Frame | None = None  # its poses are still to be written
         self._sender = FrameSender(TWIN)
         self._drawn: SharedScene | None = None
+        self._beside: dict[str, FrameSender] = {}
 
     def listen(self, listener: Callable[[list[Command]], None]) -> None:
         """Call a function with each list of commands from now on, in the thread that draws or writes."""
@@ -108,10 +118,11 @@ class Scene:
         """Return whether an object is at or below a path."""
         return any(drawn == path or drawn.startswith(f"{path}/") for drawn in self.everything().paths())
 
-    def set_object(self, path: str, shape: Shape, color: Rgba) -> None:
-        """Draw a shape at a path, in place of the object there."""
+    def set_object(self, path: str, shape: Shape, color: Rgba, *, on_top: bool = False) -> None:
+        """Draw a shape at a path, in place of the object there; `on_top` draws it over what hides it."""
         rgba = (color.r(), color.g(), color.b(), color.a())
-        self._send([set_object(path, three_js_object(DrawnGeometry(path, shape, rgba, np.eye(4))))])
+        drawn = three_js_object(DrawnGeometry(path, shape, rgba, np.eye(4)), **(_ON_TOP if on_top else {}))
+        self._send([set_object(path, drawn)])
 
     def set_points(
         self, path: str, points: np.ndarray, color: tuple[float, float, float] | np.ndarray, size: float
@@ -119,14 +130,35 @@ class Scene:
         """Draw points (m, shape (n, 3)) of a size (m) at a path, in place of what is there; each may have its color."""
         self._send([set_object(path, points_object(path, points, color, size))])
 
-    def set_lines(self, path: str, ends: np.ndarray, color: tuple[float, float, float]) -> None:
-        """Draw line segments from the first end to the second, … (m, shape (2 n, 3)) at a path."""
-        self._send([set_object(path, lines_object(path, ends, color))])
+    def set_lines(
+        self,
+        path: str,
+        ends: np.ndarray,
+        color: tuple[float, float, float] | np.ndarray,
+        *,
+        on_top: bool = False,
+        label: str = "",
+    ) -> None:
+        """Draw line segments from the first end to the second, … (m, shape (2 n, 3)) at a path.
+
+        Each end may have its color; `on_top` draws them over what hides them; a label stands at the path's place.
+        """
+        drawn = lines_object(path, ends, color, **(_ON_TOP if on_top else {}))
+        drawn["object"]["userData"] = {"label": label}
+        self._send([set_object(path, drawn)])
+
+    def set_ghost(self, path: str, body: str, color: tuple[float, float, float]) -> None:
+        """Draw a translucent copy of a body, by its path below the twin's, at a path; the browser has its geometry."""
+        self._send([set_object(path, ghost_object(path, body, color))])
 
     def set_transform(self, path: str, X_PF: RigidTransform | np.ndarray) -> None:
         """Set the pose of a path F, and of all below it, in its parent P; a 4x4 matrix may scale it, too."""
         matrix = X_PF.GetAsMatrix4() if isinstance(X_PF, RigidTransform) else X_PF
         self._send([set_transform(path, matrix)])
+
+    def move(self, paths: TransformWriter, poses: np.ndarray) -> None:
+        """Set the poses of all paths of a writer in their parents at once, shape (paths, 4, 4)."""
+        self._send(list(paths.commands(poses, range(len(poses)))))
 
     def set_property(self, path: str, name: str, value: object) -> None:
         """Set a property of three.js to a plain value."""
@@ -154,9 +186,14 @@ class Scene:
 
     def frame(self, twin: Twin) -> Frame:
         """Return what `draw` would draw."""
+        scene = self.shared(twin)
+        return Frame(scene, scene.poses(twin))
+
+    def shared(self, twin: Twin) -> SharedScene:
+        """Return what is drawn of a twin's bodies."""
         if self._drawn is None or not self._drawn.shows(twin):
             self._drawn = SharedScene(twin)
-        return Frame(self._drawn, self._drawn.poses(twin))
+        return self._drawn
 
     def show(self, frame: Frame) -> None:
         """Draw what may have been drawn before."""
@@ -167,6 +204,25 @@ class Scene:
                 self._write()
         if has_shapes:
             self._write_later(self._write)
+
+    def show_beside(self, path: str, frame: Frame, opacity: float) -> None:
+        """Draw something else than the twin, such as another run's robots, with an opacity from 0 to 1.
+
+        Args:
+            path: The path below which it is drawn.
+            frame: What is drawn.
+            opacity: Its opacity.
+        """
+        is_new = path not in self._beside
+        sender = self._beside.setdefault(path, FrameSender(path))
+        self._send(list(sender.commands(frame)))
+        if is_new:
+            self.set_property(path, "modulated_opacity", opacity)
+
+    def delete_beside(self, path: str) -> None:
+        """Delete what `show_beside` draws at a path."""
+        if self._beside.pop(path, None) is not None:
+            self.delete(path)
 
     def _write(self) -> None:
         """Write the poses that are not written yet; only the newest are."""

@@ -9,7 +9,6 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from hashlib import sha1
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from drake_twin.cockpit.heard_topic import HeardTopic, TopicRate, all_endpoints,
 from drake_twin.cockpit.message_fields import field_rows
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import Lines, read_as
+from drake_twin.cockpit.snapshot import layout_key
 from drake_twin.cockpit.topic_form import empty_form, form_of
 from drake_twin.diagram.picture import dot_text, svg_of
 from drake_twin.errors import InputError, RunError
@@ -102,8 +102,7 @@ class TopicsPanel:
         self._snapshots = -1  # since the frames were first shown
         self._batches: deque[dict[str, Any]] = deque(maxlen=_BATCHES)
         self._batch = 0
-        robots = [(robot.name, robot.model) for robot in twin.scenario.robots]
-        self._layout = sha1(repr(robots).encode()).hexdigest()[:12]  # what the browser keeps the plots by
+        self._layout = layout_key(twin)  # what the browser keeps the plots by
         self._drawing: threading.Thread | None = None
         self._drawn: deque[dict[str, Any]] = deque()  # the diagram, once for each snapshot that it is still sent with
 
@@ -121,6 +120,7 @@ class TopicsPanel:
             "echoes": {topic: self._echo(topic) for topic in {look.echo for look in looks if look.echo}},
             "batches": self._next_batches(),
             "problems": self._problems(),
+            "units": self._units(),
             "outcome": self._outcome,
             "frames": self._frames() if self._need_frames(looks) else None,
             "diagram": self._drawn.popleft() if self._drawn else None,
@@ -234,6 +234,15 @@ class TopicsPanel:
                     items.clear()
         return list(self._batches)
 
+    def _units(self) -> dict[str, str]:
+        """Return the units of the curves that have one, by their paths."""
+        return {
+            f"{topic}.{name}": unit
+            for topic, heard in self._heard.items()
+            for name, unit in heard.units.items()
+            if unit
+        }
+
     def _problems(self) -> dict[str, str]:
         """Return why curves have no samples, by their paths."""
         unknown = {
@@ -313,16 +322,7 @@ class TopicsPanel:
         for item in self._twin.graph.endpoints:
             if item.kind == PUBLISHED and item.type == _TRANSFORMS and (message := self._twin.latest(item.name)):
                 tree.add(message, is_static=item.latched)
-        return [
-            {
-                "frame": frame,
-                "parent": parent,
-                "xyz": [round(float(number), 4) for number in pose.translation],
-                "rpy": [round(float(number), 4) for number in pose.rotation.as_euler("xyz")],
-                "static": pose.time is None,
-            }
-            for frame, (parent, pose) in sorted(tree.parents.items())
-        ]
+        return tree.as_plain()
 
     def _draw(self) -> None:
         """Let Graphviz draw the diagram beside the simulation, one at a time."""

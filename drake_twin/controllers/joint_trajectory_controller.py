@@ -196,6 +196,14 @@ class JointTrajectoryController(ActionController):
         sample = self.sample(context)
         return None if sample.memory is None else feedback_message(self._joints, sample.time, sample.memory)
 
+    def goal_positions(self, context: Context) -> dict[str, float]:
+        """Return where the trajectory ends (rad or m)."""
+        memory: JointTrajectoryMemory | None = self.sample(context).memory
+        if memory is None:
+            return {}
+        last, turns = memory.running.lasts[-1].positions, memory.running.turns
+        return {name: q + turn for name, q, turn in zip(self._joints, last, turns, strict=True)}
+
     def start(self, context: Context) -> JointTrajectoryMemory:
         """Hold the joints where they are, or where the last command held them."""
         last: JointTrajectoryMemory | None = self.sample(context).memory

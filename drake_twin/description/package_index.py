@@ -12,6 +12,7 @@ from drake_twin.errors import InputError
 # Folders without source packages, or with copies of them.
 _SKIPPED_FOLDERS = {"build", "log", "node_modules", "site-packages", "__pycache__"}
 _SEARCH_DEPTH = 6
+_LONGEST_NAME = 255  # bytes, of a folder on most disks
 
 _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 _FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
@@ -93,6 +94,8 @@ class PackageIndex:
         Raises:
             MissingPackageError: If the package is not found; the text lists the folders that were searched.
         """
+        if len(os.fsencode(package)) > _LONGEST_NAME:
+            raise MissingPackageError(f"{package[:80]}…", ["any folder: the name is too long"])
         for folder in self._candidates(package, near):
             if folder.is_dir():
                 return installed_layout(folder)

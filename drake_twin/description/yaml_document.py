@@ -74,7 +74,7 @@ class YamlDocument:
 
     def error(self, path: ValuePath, message: str, **more: Any) -> InputError:
         """Return an error that points at the value at ``path``."""
-        where = ".".join(str(key) for key in path)
+        where = ".".join(key if (key := str(item)).isprintable() else repr(key) for item in path)
         return InputError(f"{where}: {message}" if where else message, file=self.file, line=self.line(path), **more)
 
     def _plain(self, node: yaml.Node, path: ValuePath) -> Any:

@@ -42,6 +42,7 @@ class SharedScene:
     Attributes:
         geometries: The geometries to draw.
         bodies: The paths of the bodies that may move, in the order of `poses`.
+        body_paths: Index of such a body in the plant → its path.
 
     Args:
         twin: The twin. Neither the twin nor its diagram is kept alive.
@@ -76,6 +77,7 @@ class SharedScene:
         plant = twin.plant
         self._indices = [int(plant.GetBodyFromFrameId(frame).index()) for frame in bodies]
         self.bodies = tuple(bodies.values())
+        self.body_paths = dict(zip(self._indices, self.bodies, strict=True))
         self.geometries = tuple(geometries.values())
 
     def shows(self, twin: Twin) -> bool:

@@ -40,11 +40,12 @@ _ROUND = {"widthSegments": 48, "heightSegments": 24}
 _Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
 
 
-def three_js_object(geometry: DrawnGeometry) -> dict[str, Any]:
+def three_js_object(geometry: DrawnGeometry, **material: Any) -> dict[str, Any]:
     """Return a geometry in three.js' object format, version 4.5.
 
     Args:
         geometry: The geometry; the object is in its body's frame.
+        material: More properties of the material of a shape that is not a mesh.
 
     Raises:
         ValueError: If a mesh cannot be read, or the shape cannot be drawn.
@@ -63,7 +64,9 @@ def three_js_object(geometry: DrawnGeometry) -> dict[str, Any]:
         more = (
             {"userData": {"isGround": True, "isEndless": isinstance(shape, HalfSpace)}} if _is_ground(geometry) else {}
         )
-        children = [writer.mesh(*item, writer.material(geometry.color)) | more for item in _primitives(shape)]
+        children = [
+            writer.mesh(*item, writer.material(geometry.color, **material)) | more for item in _primitives(shape)
+        ]
     return writer.document(children, geometry.X_BG)
 
 
@@ -81,15 +84,31 @@ def points_object(
     return _Writer(path).vertices("Points", points, {"type": "PointsMaterial", "size": size}, color)
 
 
-def lines_object(path: str, ends: np.ndarray, color: tuple[float, float, float]) -> dict[str, Any]:
+def lines_object(
+    path: str, ends: np.ndarray, color: tuple[float, float, float] | np.ndarray, **material: Any
+) -> dict[str, Any]:
     """Return line segments as an object of three.js.
 
     Args:
         path: Its path in the scene.
         ends: The ends of all segments one after the other (m), shape (2 n, 3).
-        color: Their color: red, green, blue.
+        color: Their color: red, green, blue; or one for each end, shape (2 n, 3).
+        material: More properties of the material.
     """
-    return _Writer(path).vertices("LineSegments", ends, {"type": "LineBasicMaterial"}, color)
+    return _Writer(path).vertices("LineSegments", ends, {"type": "LineBasicMaterial", **material}, color)
+
+
+def ghost_object(path: str, body: str, color: tuple[float, float, float]) -> dict[str, Any]:
+    """Return an empty object of three.js, which a page fills with a translucent copy of what is drawn of a body.
+
+    Args:
+        path: Its path in the scene.
+        body: The path of the body.
+        color: Its color: red, green, blue.
+    """
+    document = _Writer(path).document([], np.eye(4))
+    document["object"]["userData"] = {"copyOf": body, "color": list(color)}
+    return document
 
 
 def _is_ground(geometry: DrawnGeometry) -> bool:

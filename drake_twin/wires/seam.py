@@ -151,8 +151,8 @@ class Seam:
         services = {item.name: item for item in self._services_of(self._twin)} if endpoints else {}
         of_actions = tuple(self._actions.topics()) if self._actions is not None and endpoints else ()
         offered = {item.name: item for item in (*endpoints, *of_actions) if item.kind == PUBLISHED}
-        for name in [name for name, topic in self._topics.items() if offered.get(name) != topic.endpoint]:
-            self._forget(self._topics.pop(name))
+        gone = [name for name, topic in self._topics.items() if offered.get(name) != topic.endpoint]
+        self._forget([self._topics.pop(name) for name in gone])
         for name in offered.keys() - self._topics.keys():
             self._topics[name] = topic = OfferedTopic(offered[name], is_of_twin=offered[name] in endpoints)
             wired = _wired(offered[name])
@@ -208,12 +208,15 @@ class Seam:
             topic.end()
             topic.end = None
 
-    def _forget(self, topic: OfferedTopic) -> None:
-        if topic.end is not None:
-            topic.end()
-            self._outbox.flush()  # its last messages
-        for sender in topic.senders:
-            sender.close()
+    def _forget(self, topics: Sequence[OfferedTopic]) -> None:
+        ends = [topic.end for topic in topics if topic.end is not None]
+        for end in ends:
+            end()
+        if ends:
+            self._outbox.flush()  # their last messages
+        for topic in topics:
+            for sender in topic.senders:
+                sender.close()
 
     # Out -------------------------------------------------------------------------------------------------------------
 

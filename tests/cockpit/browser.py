@@ -178,6 +178,11 @@ def folder(tab, robot="robot_1"):
     return tab.locator(f".robot[data-robot={robot}]")
 
 
+def open_tab(tab, name):
+    """Choose a tab of the side panel."""
+    tab.get_by_role("tab", name=name, exact=True).click(force=True)
+
+
 def draw(tab):
     """Draws the scene from now on."""
     tab.locator("#scene").evaluate(

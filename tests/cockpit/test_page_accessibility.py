@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, show
+from browser import BROWSER_TESTS, browser, open_tab, show
 from conftest import rovers
 from seeing_robot import seeing
 from wires.foxglove_peer import npm_modules
@@ -44,9 +44,17 @@ def test_the_page_breaks_none_of_its_rules(show, axe, tmp_path, scheme, size):
     for summary in tab.locator("#panel summary").all():
         summary.evaluate("element => { element.parentElement.open = true; }")
     tab.locator("#messages-toggle").click(force=True)
-    it.for_frames(5)
+    for name in ("lidar", "imu"):
+        it.cockpit.sensors.show(f"box_0/box/{name}", True)
+    bars = tab.locator(".color-bar:not([hidden])")
+    it.frames(lambda: bars.count() == 1)
     tab.evaluate(axe)
-    assert tab.evaluate(RUN) == []
+    names = tab.locator("[role=tab]:visible").all_inner_texts()
+    assert len(names) == 6
+    for name in names:
+        open_tab(tab, name)
+        it.for_frames(5)
+        assert tab.evaluate(RUN) == [], name
 
 
 @looks(("wide", "dark"))
@@ -55,6 +63,7 @@ def test_topics_plots_and_diagram_break_none_of_its_rules(show, axe, scheme, siz
     tab.emulate_media(color_scheme=scheme, reduced_motion="reduce")
     tab.set_viewport_size({"width": size[0], "height": size[1]})
     tab.evaluate(axe)
+    open_tab(tab, "ROS")
     tab.locator(".topics-panel summary", has_text="Frames").press("Enter")
     tab.locator(".topics-panel summary", has_text="Topics").press("Enter")
     it.frames(lambda: tab.locator(".topics button").count() > 5 and tab.locator(".frames li").count() > 3)

@@ -4,9 +4,10 @@
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, draw, page, show
+from browser import BROWSER_TESTS, browser, draw, open_tab, page, show
 from conftest import ARM, ROVER, rovers
 from in_scene import item, look_at, place_of, tools
+from show_menu import press
 from world_with_crate import rover_and_crate
 
 from drake_twin import TwinBuilder
@@ -65,6 +66,7 @@ def test_presets_look_from_where_they_say_and_fit_shows_the_selection(show, tmp_
         away = np.array([x - tx, tz - z, y - ty])  # three.js has y upwards
         return away / np.linalg.norm(away), np.linalg.norm(away)
 
+    open_tab(tab, "View")
     for name, key, expected in (
         ("Front view", "2", (1, 0, 0)),
         ("Left view", "3", (0, 1, 0)),
@@ -77,8 +79,10 @@ def test_presets_look_from_where_they_say_and_fit_shows_the_selection(show, tmp_
         tab.keyboard.press("1")
         tab.get_by_role("button", name=name).click()
         assert view()[0] == pytest.approx(expected, abs=0.2)
+    open_tab(tab, "World")
     item(tab, "model:crate::crate").click()
     it.frames(lambda: tools(tab, "selected.length") == 1)
+    open_tab(tab, "View")
     tab.get_by_role("button", name="Fit the selection").click()
     _, _, _, tx, ty, tz = tools(tab, "cameraPlace()")
     assert (tx, -tz, ty) == pytest.approx(it.twin.entities.state("crate").position, abs=0.01)
@@ -111,7 +115,7 @@ def test_names_stand_above_robots_and_follow_them(page):
     names = tab.frame_locator("#scene").locator(".name")
     assert names.count() == 0
     draw(tab)  # they are laid above the picture
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     it.frames(lambda: names.count() == 2)
     assert names.all_inner_texts() == ["robot_1", "robot_2"]
     it.for_frames(3)
@@ -127,7 +131,7 @@ def test_names_stand_above_robots_and_follow_them(page):
     it.frames(lambda: abs(middle() - place_of(tab, (0, -0.7, 0.4))[0]) < 12)
     it.twin.entities.delete("robot_2")
     it.frames(lambda: names.count() == 1)
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
     it.frames(lambda: names.count() == 0)
 
 
@@ -144,6 +148,7 @@ def test_the_help_opens_with_a_key_and_a_button_and_closes(page):
 def test_control_z_undoes_an_edit(show, tmp_path):
     it, tab = show(rover_and_crate(tmp_path).scenario())
     it.frames(lambda: item(tab, "model:crate::crate").count() == 1)
+    open_tab(tab, "World")
     item(tab, "model:crate::crate").click()
     it.frames(lambda: tab.locator(".edits").get_by_role("button", name="Delete").is_visible())
     tab.locator(".edits").get_by_role("button", name="Delete").click()

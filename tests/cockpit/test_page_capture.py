@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, PIXELS, browser, draw, orange, show
+from browser import BROWSER_TESTS, PIXELS, browser, draw, open_tab, orange, show
 from conftest import rovers
 from in_scene import look_at, place_of, tools
 from PIL import Image
@@ -40,6 +40,7 @@ def page(show):
     look_at(tab, "robot_1")
     draw(tab)
     tab.evaluate(KEEP)
+    open_tab(tab, "View")
     return it, tab
 
 
@@ -51,7 +52,7 @@ def saved(it, tab):
 
 def test_a_picture_is_what_the_scene_shows(page):
     it, tab = page
-    tab.get_by_role("button", name="Picture").click()
+    tab.get_by_role("button", name="Picture", exact=True).click()
     head, data = saved(it, tab)
     assert head.startswith("data:image/png")
     assert tab.evaluate("window.savedName") == "drake_twin.png"
@@ -94,8 +95,10 @@ def test_a_click_has_one_taker_and_who_loses_it_is_told(page):
     it, tab = page
     measure = tab.get_by_role("button", name="Measure")
     measure.click()
+    open_tab(tab, "Robots")
     tab.get_by_role("button", name="Spawn…").click()
     tab.get_by_role("button", name="Click in the scene…").click()
+    open_tab(tab, "View")
     assert measure.get_attribute("aria-pressed") == "false"
     assert tab.locator("#capture output").inner_text() == ""
     measure.click()  # the dialog has lost the click, and is back

@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, show
+from browser import BROWSER_TESTS, browser, open_tab, show
 from in_scene import item, look_at, place_of, tools
 from world_with_crate import CRATE_AT, rover_and_crate
 
@@ -17,6 +17,7 @@ def crates(show, tmp_path):
     """A rover beside a crate and a ramp, paused; the crate is selected, and its handles are there."""
     it, tab = show(rover_and_crate(tmp_path).scenario())
     it.twin.pause()
+    open_tab(tab, "World")
     it.frames(lambda: item(tab, "model:crate::crate").count() == 1)
     item(tab, "model:crate::crate").click()
     it.frames(lambda: tab.get_by_role("button", name="Move", exact=True).is_visible())
@@ -104,6 +105,7 @@ def test_a_crate_follows_the_mouse_and_the_recording_replays_to_the_same_hash(sh
     it.twin.recorder.begin()
     x, y, z = CRATE_AT
     camera = tools(tab, "cameraPlace()")
+    open_tab(tab, "World")
     tab.get_by_role("button", name="Drag", exact=True).click()
     it.frames(lambda: tools(tab, "pulls"))
     tab.mouse.move(*place_of(tab, (x, y, z + 0.2)))

@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, folder, page, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, page, show
 from conftest import rovers
 from test_page_accessibility import RUN, axe
 
@@ -46,7 +46,7 @@ def test_a_topic_is_found_by_a_part_of_its_name(page):
 def test_switches_and_what_is_in_the_world_are_found(page):
     it, tab = page
     find(tab, "contact forces")
-    it.frames(lambda: tab.get_by_label("Contact forces").is_checked())
+    it.frames(lambda: "contacts" in it.cockpit._overlays)
     find(tab, "robot_2 base_link", enter=False)
     it.frames(lambda: len(found(tab)) > 0)
     tab.keyboard.press("Enter")
@@ -94,13 +94,15 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     tab.mouse.up()
     assert panel.bounding_box()["width"] == pytest.approx(before + 140, abs=6)
     wide = panel.bounding_box()["width"]
-    tab.get_by_role("button", name="View", exact=True).click(force=True)
-    assert tab.locator("#overlays").is_hidden()
+    open_tab(tab, "View")
+    tab.get_by_role("button", name="Camera", exact=True).click(force=True)
+    assert tab.locator("#follow").is_hidden()
     tab.reload()
     it.frames(lambda: tab.locator("body.ready").count() == 1)
     assert panel.bounding_box()["width"] == wide
-    assert tab.locator("#overlays").is_hidden()
-    find(tab, "contact forces")  # unfolds it
-    it.frames(lambda: tab.locator("#overlays").is_visible())
+    assert tab.locator("#follow").is_hidden()
+    open_tab(tab, "ROS")
+    find(tab, "camera follows")  # chooses its tab, and unfolds it
+    it.frames(lambda: tab.locator("#follow").is_visible())
     edge.dblclick(force=True)
     assert panel.bounding_box()["width"] == before

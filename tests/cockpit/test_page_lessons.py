@@ -6,8 +6,9 @@ Only what a reader of the page sees is used: labels, names of buttons, the numbe
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, folder, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, show
 from conftest import ARM, ROVER, rovers
+from show_menu import press
 
 pytestmark = BROWSER_TESTS
 
@@ -38,31 +39,38 @@ def test_several_robots_in_one_world(show):
     spawn(it, tab, ROVER, "left", 1.5)
     spawn(it, tab, ROVER, "right", -1.5)
     for name, speed in (("left", "3"), ("right", "-3")):
+        open_tab(tab, "View")
         tab.get_by_label("Camera follows").select_option(name)
+        open_tab(tab, "Robots")
         for wheel in ("front_left", "front_right", "rear_left", "rear_right"):
             field = folder(tab, name).get_by_label(f"{name}_{wheel}_wheel_joint velocity, number")
             it.frames(lambda field=field: field.is_enabled())
             enter(it, field, speed)
+    open_tab(tab, "View")
     tab.get_by_label("Camera follows").select_option("")
     it.frames(lambda: it.twin.entities.state("left").position[0] > 0.3)
     it.frames(lambda: it.twin.entities.state("right").position[0] < -0.3)
+    open_tab(tab, "ROS")
     tab.locator(".topics-panel summary", has_text="Topics").click()
     tab.get_by_label("Filter topics").fill("left")
     it.frames(lambda: tab.locator(".topics button", has_text="/left/joint_states").count() == 1)
     tab.locator(".topics-panel summary", has_text="Frames").click()
     it.frames(lambda: tab.locator(".frames li", has_text="right_base_link").count() >= 1)
-    tab.get_by_label("Frames (tf)").click(force=True)
+    press(tab, "Frames (tf)")
     it.frames(lambda: it.scene.has_path("/overlays/frames"))
+    open_tab(tab, "Robots")
     controller = folder(tab, "left").get_by_label("left forward_velocity_controller", exact=True)
     it.frames(controller.is_checked)
     controller.click(force=True)
     it.frames(lambda: folder(tab, "left").locator(".controller .muted", has_text="inactive").count() == 1)
     controller.click(force=True)
     it.frames(lambda: folder(tab, "left").locator(".controller .muted", has_text="inactive").count() == 0)
+    open_tab(tab, "Time")
     step = tab.get_by_label("Physics step, number")
     enter(it, step, "5")
     it.frames(lambda: it.twin.clock.time_step == 0.005)
     it.frames(lambda: factor(tab) > 0)
+    open_tab(tab, "Robots")
     folder(tab, "right").locator("summary", has_text="Joint states").click()
     folder(tab, "right").get_by_title("Plot right_rear_left_wheel_joint").click()
     it.frames(lambda: tab.locator("#plots canvas").count() == 1)
@@ -108,6 +116,7 @@ def test_an_arm_bends_without_a_controller_and_the_step_is_raised(show, tmp_path
     assert not it.twin.control.manager("arm").is_active("forward_velocity_controller")
     switch.click(force=True)
     it.frames(lambda: it.twin.control.manager("arm").is_active("forward_velocity_controller"))
+    open_tab(tab, "Time")
     step = tab.get_by_label("Physics step, number")
     assert float(step.input_value()) == 1.0
     enter(it, step, "10")

@@ -5,7 +5,8 @@
 import logging
 from html import escape
 
-from browser import BROWSER_TESTS, browser, folder, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, show
+from show_menu import press
 
 from drake_twin import TwinBuilder
 
@@ -34,13 +35,16 @@ def test_markup_in_names_is_not_interpreted(show, tmp_path):
     for summary in tab.locator("#panel summary").all():
         summary.evaluate("element => { element.parentElement.open = true; }")
     it.frames(lambda: tab.locator("#messages li", has_text=EVIL).count() >= 1)
+    open_tab(tab, "ROS")
     it.frames(lambda: tab.locator(".topics button").count() > 2)
+    open_tab(tab, "World")
     rows = tab.locator("[role=treeitem]")
     it.frames(lambda: rows.count() >= 1)
     for key in ("ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown"):
         rows.first.press(key) if key == "ArrowRight" else tab.keyboard.press(key)
         it.for_frames(3)
-    tab.get_by_label("Names above robots").click(force=True)
+    press(tab, "Names")
+    open_tab(tab, "Robots")
     folder(tab, "made").get_by_title(f"Plot {'hinge ' + EVIL}").first.click()
     it.for_frames(20)
     assert EVIL in tab.locator("#panel").inner_text()

@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, folder, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, show
 from conftest import rovers
 
 from drake_twin.builder.demo import demo_scenario
@@ -78,7 +78,9 @@ def test_no_number_is_cut_off(show, size):
     it.twin.clock.real_time_rate = 20.0
     it.frames(lambda: it.twin.time > 11.0, most=1500)
     it.twin.pause()
-    it.for_frames(5)
-    assert tab.locator("body").evaluate(CLIPPED) == []
+    for name in tab.locator("[role=tab]:visible").all_inner_texts():
+        open_tab(tab, name)
+        it.for_frames(5)
+        assert tab.locator("body").evaluate(CLIPPED) == [], name
     tab.evaluate("document.querySelector('#time').parentElement.style.cssText = 'overflow: hidden; width: 1em'")
     assert tab.locator("body").evaluate(CLIPPED) != []

@@ -2,7 +2,7 @@
 
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
-from browser import BROWSER_TESTS, browser, show
+from browser import BROWSER_TESTS, browser, open_tab, show
 from conftest import rovers
 from nodes.node_runs import script
 
@@ -26,6 +26,7 @@ class My(Node):
 def test_a_message_for_a_node_is_published_and_its_answer_is_shown(show, tmp_path):
     it, tab = show(rovers(1).node(script(tmp_path, "echo.py", NODE)).scenario())
     start_nodes(it.twin)
+    open_tab(tab, "ROS")
     tab.locator(".topics-panel summary", has_text="Topics").click()
     said, told = (tab.locator(".topics button", has_text=name) for name in ("/said", "/told"))
     it.frames(lambda: (said.count(), told.count()) == (1, 1))

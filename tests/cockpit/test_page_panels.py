@@ -7,7 +7,7 @@ import sys
 from importlib.metadata import EntryPoint
 
 import pytest
-from browser import BROWSER_TESTS, browser, page, show
+from browser import BROWSER_TESTS, browser, open_tab, page, show
 from conftest import rovers
 from fake_page import FakePage
 from pydrake.geometry import Rgba, Sphere
@@ -94,11 +94,11 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
     assert it.server.files["panel_horn.js"] == SCRIPT.encode()
     it.ask(protocol.AskPanel("horn", '{"honk": 2}'))
     assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
-    assert it.server.told["robots"]["panels"] == ["world", "spawn", "topics", "horn"]
+    assert it.server.told["robots"]["panels"] == ["world", "own", "spawn", "topics", "horn"]
     for name, data, reason in (
         ("horn", '{"honk": 99}', "too loud"),
         ("horn", "{", "panel 'horn' sent data that is not JSON: '{'"),
-        ("bell", "1", "unknown panel 'bell'. Valid: world, spawn, topics, horn"),
+        ("bell", "1", "unknown panel 'bell'. Valid: world, own, spawn, topics, horn"),
     ):
         it.ask(protocol.AskPanel(name, data))
         assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
@@ -157,9 +157,12 @@ class TestInBrowser:
 
     def test_the_overlay_has_a_switch_and_the_panel_a_section(self, own_parts, page):
         it, tab = page
+        section = tab.locator("[data-panel=horn]")
+        it.frames(section.is_visible)  # what a page with panels of others is opened for
+        open_tab(tab, "View")
         tab.get_by_label("Origin of the world").click(force=True)
         it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/origin"))
-        section = tab.locator("[data-panel=horn]")
+        open_tab(tab, "Panels")
         it.seen(section.locator("output"), "moving, 0 honks")
         section.get_by_role("button", name="Honk").click()
         it.seen(section.locator("output"), "moving, 2 honks")

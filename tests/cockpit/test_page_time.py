@@ -5,7 +5,7 @@
 import math
 
 import pytest
-from browser import BROWSER_TESTS, browser, page, show
+from browser import BROWSER_TESTS, browser, open_tab, page, show
 
 pytestmark = BROWSER_TESTS
 
@@ -68,6 +68,7 @@ def test_reset_goes_back_to_the_start(page):
 
 def test_the_speed_slider_sets_the_real_time_rate(page):
     it, tab = page
+    open_tab(tab, "Time")
     number = tab.get_by_label("Real-time rate, number")
     number.fill("0.5")
     number.press("Enter")
@@ -80,6 +81,7 @@ def test_the_speed_slider_sets_the_real_time_rate(page):
 
 def test_the_physics_step_is_a_slider_with_the_real_time_factor_beside_it(page):
     it, tab = page
+    open_tab(tab, "Time")
     number = tab.get_by_label("Physics step, number")
     number.fill("10")
     number.press("Enter")

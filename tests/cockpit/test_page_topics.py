@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, folder, show
+from browser import BROWSER_TESTS, browser, folder, open_tab, show
 from conftest import rovers
 from PIL import Image
 
@@ -24,6 +24,7 @@ def driving(show):
 
 def choose(it, tab, topic):
     """Opens the list and chooses a topic in it."""
+    open_tab(tab, "ROS")
     if not tab.get_by_label("Filter topics").is_visible():
         tab.locator(".topics-panel summary", has_text="Topics").click()
     it.frames(lambda: tab.locator(".topics button").count() > 5)
@@ -142,9 +143,9 @@ def test_numbers_are_plotted_from_the_echo(driving):
         tab.locator("#plots .legend").get_by_label("Remove").first.click()
         it.frames(lambda left=left: len(plotted(tab)) == left)
     it.frames(lambda: not tab.locator("#plots").is_visible())
-    it.frames(lambda: [*it.cockpit._panels["topics"]._heard] == [STATES])  # the echo
+    it.frames(lambda: [*it.cockpit.panels["topics"]._heard] == [STATES])  # the echo
     tab.locator(".topics-panel summary", has_text="Topics").click()
-    it.frames(lambda: it.cockpit._panels["topics"]._heard == {})
+    it.frames(lambda: it.cockpit.panels["topics"]._heard == {})
 
 
 def test_the_layout_is_kept(driving):
@@ -188,7 +189,7 @@ def test_plots_zoom_by_mouse_and_by_buttons(driving):
     it.twin.publish(COMMANDS, [-1.0, -1.0, -1.0, -1.0])
     it.frames(lambda: value(tab) == pytest.approx(-1, abs=0.01))
     it.twin.pause()
-    heard = it.cockpit._panels["topics"]._heard[STATES]
+    heard = it.cockpit.panels["topics"]._heard[STATES]
     it.frames(lambda: tab.evaluate(SCALE)[1] == pytest.approx(heard.time, abs=1e-5))  # all is there
     first, last = tab.evaluate(SCALE)
     width = last - first
@@ -234,6 +235,7 @@ def test_a_reset_takes_away_what_is_later(driving):
 
 def test_frames_are_a_tree(driving):
     it, tab = driving
+    open_tab(tab, "ROS")
     tab.locator(".topics-panel summary", has_text="Frames").click()
     items = tab.locator(".frames li")
     it.frames(lambda: items.count() > 8)
@@ -247,6 +249,7 @@ def chosen(tab):
 
 
 def open_diagram(it, tab):
+    open_tab(tab, "ROS")
     tab.get_by_role("button", name="Diagram…").click()
     it.frames(lambda: tab.locator("dialog.drawing svg").count() == 1)
 

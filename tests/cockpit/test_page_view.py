@@ -6,10 +6,12 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, changed, orange, orange_bodies, page, picture, show
+from browser import BROWSER_TESTS, browser, changed, open_tab, orange, orange_bodies, page, picture, show
 from PIL import Image
 from playwright.sync_api import expect
 from robots_to_steer import WHEELS_1
+from show_menu import press
+from show_menu import switch as show_switch
 
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.cockpit.scene import OVERLAYS
@@ -48,6 +50,7 @@ def test_each_overlay_is_drawn_and_taken_away(page):
     it.twin.pause()
     it.for_frames(3)
     before = picture(tab)
+    open_tab(tab, "View")
     overlays = {
         "Frames (tf)": "frames",
         "Contact forces": "contact",
@@ -55,16 +58,17 @@ def test_each_overlay_is_drawn_and_taken_away(page):
         "Inertia": "inertia",
     }
     for label, path in overlays.items():
-        tab.get_by_label(label).click(force=True)
+        press(tab, label)
         it.frames(lambda path=path: it.scene.has_path(f"{OVERLAYS}/{path}"))
         it.frames(lambda: changed(before, picture(tab)) > 200, most=200)
-        tab.get_by_label(label).click(force=True)
+        press(tab, label)
         it.frames(lambda path=path: not it.scene.has_path(f"{OVERLAYS}/{path}"))
         it.frames(lambda: changed(before, picture(tab)) < 20, most=200)
 
 
 def test_the_camera_follows_a_robot_and_lets_it_go(page):
     it, tab = page
+    open_tab(tab, "View")
     tab.get_by_label("Camera follows").select_option("robot_1")
     it.frames(lambda: it.cockpit._camera.robot == "robot_1")
     it.twin.publish(WHEELS_1, [9, 9, 9, 9])
@@ -82,6 +86,7 @@ def test_the_camera_follows_a_robot_and_lets_it_go(page):
 @pytest.mark.parametrize("browser", ["chromium"], indirect=True)  # Playwright hears of no download in this Firefox
 def test_a_recording_is_downloaded_and_plays_without_a_network(show, browser, tmp_path):
     it, tab = show(demo_scenario("rover", 1))
+    open_tab(tab, "View")
     tab.get_by_role("button", name="Record").click()
     it.frames(lambda: tab.locator("#recording-badge").is_visible())
     start = it.twin.time
@@ -112,7 +117,7 @@ def test_the_side_panel_is_folded_away(page):
 
 def test_a_switch_keeps_what_was_pressed_until_the_twin_has_heard_of_it(page):
     it, tab = page
-    switch = tab.get_by_label("Contact forces")
+    switch = show_switch(tab, "Contact forces")
     switch.click(force=True)
     it.cockpit.publish(7.77)  # a state from before the request
     expect(tab.locator("#factor")).to_have_text("7.77")

@@ -3,7 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, page, picture, show
+from browser import BROWSER_TESTS, browser, open_tab, page, picture, show
 from conftest import ROVER
 from in_scene import item, look_at, place_of
 from world_with_crate import rover_and_crate
@@ -16,7 +16,9 @@ pytestmark = BROWSER_TESTS
 @pytest.fixture
 def crates(show, tmp_path):
     """A rover beside a crate and a ramp."""
-    return show(rover_and_crate(tmp_path).scenario())
+    it, tab = show(rover_and_crate(tmp_path).scenario())
+    open_tab(tab, "World")
+    return it, tab
 
 
 def value(tab, label):
@@ -56,7 +58,7 @@ def test_a_click_in_the_scene_selects_in_the_tree_and_shows_what_is_true_in_the_
     it.frames(lambda: value(tab, "Box").count() == 1)
     assert (picture(tab) - before)[..., 2].max() > 30  # it glows blue
     tab.mouse.click(*place_of(tab, (0.1, 0.45, 0.0)))  # the ground
-    it.frames(lambda: tab.locator("[aria-selected=true]").count() == 0)
+    it.frames(lambda: tab.locator(".tree [aria-selected=true]").count() == 0)
     assert not tab.locator(".inspector").is_visible()
 
 
@@ -86,7 +88,11 @@ def test_what_comes_and_goes_does_so_in_the_tree(crates):
 
 def test_nothing_is_read_while_no_tab_shows_the_panel(crates):
     it, tab = crates
-    panel = it.cockpit._panels["world"]
+    panel = it.cockpit.panels["world"]
+    it.frames(lambda: panel.state() is not None)
+    open_tab(tab, "View")
+    it.frames(lambda: panel.state() is None)
+    open_tab(tab, "World")
     it.frames(lambda: panel.state() is not None)
     tab.get_by_role("button", name="Side panel").click()
     it.frames(lambda: panel.state() is None)

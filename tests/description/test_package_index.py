@@ -115,6 +115,11 @@ def test_a_package_with_a_broken_package_xml_goes_by_its_folders_name(tmp_path):
     assert index(tmp_path).find("rover") == tmp_path / "stack" / "rover"
 
 
+def test_a_name_that_no_folder_can_have_is_that_of_a_missing_package(tmp_path):
+    with pytest.raises(InputError, match=r"package 'aaaa.*…' was not found in: any folder: the name is too long"):
+        index(tmp_path).find("a" * 256)
+
+
 def test_a_missing_package_lists_where_it_was_looked_for(tmp_path):
     given, arm = tmp_path / "given", package(tmp_path / "ws" / "src" / "arm")
     given.mkdir()

@@ -42,6 +42,11 @@ def test_an_error_points_at_file_line_and_path_and_lists_what_is_valid():
     assert str(error) == "params.yaml:2: arm.mode: 'fats' is no mode. Did you mean 'fast'? Valid: fast, slow."
 
 
+def test_an_error_below_a_key_of_several_lines_is_one_paragraph():
+    document = YamlDocument("a: 1", "robot.yaml")
+    assert "\n" not in str(document.error(("a", "b\n\n  ", 2), "it is wrong"))
+
+
 def test_broken_yaml_gives_the_line():
     assert refusal("a: 1\nb: [1, 2\nc: 3\n").startswith("params.yaml:3: this is not valid YAML: ")
 

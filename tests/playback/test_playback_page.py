@@ -9,7 +9,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "cockpit"))
 
-from browser import BROWSER_TESTS, browser, opened
+from browser import BROWSER_TESTS, browser, open_tab, opened
 from playback.recorded_bags import cart_messages, write
 
 from drake_twin import Twin
@@ -50,6 +50,7 @@ def test_the_page_plays_a_bag(browser, tmp_path):
             frames(lambda: tab.locator("#time").inner_text() == f"{player.time:.3f} s")
             for name in ("#stop-all", "#spawn", "#record", "#time-step-row"):
                 assert not tab.locator(name).is_visible()
+            open_tab(tab, "Time")
             assert tab.locator("#rate-row").is_visible()
             tab.get_by_label("Run to time in seconds").fill("1.5")
             tab.get_by_role("button", name="Go").click()

@@ -7,6 +7,7 @@ from pydrake.geometry import Rgba, Shape
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 
+from drake_twin.cockpit.overlays.body_folders import BodyFolders
 from drake_twin.cockpit.scene import Scene
 from drake_twin.twin.twin import Twin
 
@@ -35,25 +36,20 @@ class BodyShapes:
         twin: The twin whose plant has the bodies.
         path: The path in the scene below which the shapes are drawn.
         shapes: The shapes.
+        on_top: Whether they are drawn over what hides them.
     """
 
-    def __init__(self, scene: Scene, twin: Twin, path: str, shapes: Iterable[BodyShape]):
-        self._scene = scene
-        self._twin = twin
-        self._path = path
-        self._bodies: dict[int, str] = {}
+    def __init__(self, scene: Scene, twin: Twin, path: str, shapes: Iterable[BodyShape], *, on_top: bool = False):
+        self._folders = BodyFolders(scene, twin, path)
         for number, item in enumerate(shapes):
-            body = self._bodies.setdefault(int(item.body), f"{path}/{int(item.body)}")
-            scene.set_object(f"{body}/{number}", item.shape, item.color)
-            scene.set_transform(f"{body}/{number}", item.X_BS)
+            folder, X_FB = self._folders.of(item.body)
+            scene.set_object(f"{folder}/{number}", item.shape, item.color, on_top=on_top)
+            scene.set_transform(f"{folder}/{number}", X_FB @ item.X_BS)
 
     def draw(self) -> None:
-        """Move the shapes to their bodies."""
-        plant = self._twin.plant
-        poses = plant.get_body_poses_output_port().Eval(plant.GetMyContextFromRoot(self._twin.context))
-        for body, path in self._bodies.items():
-            self._scene.set_transform(path, poses[body])
+        """Move the shapes to their bodies, where no browser does."""
+        self._folders.draw()
 
     def remove(self) -> None:
         """Remove the shapes."""
-        self._scene.delete(self._path)
+        self._folders.remove()

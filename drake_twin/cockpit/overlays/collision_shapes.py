@@ -21,6 +21,7 @@ _COLORS = {
     "collision",
     "Collision shapes",
     "Green shapes touch with their faces, orange ones in a point, blue ones are wheels",
+    "X",
 )
 class CollisionShapes(BodyShapes):
     """The collision shapes of all bodies except half spaces, which Meshcat cannot draw."""

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 from pydrake.geometry import Cylinder, MeshcatCone, Rgba
-from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.joint_friction import is_brake
+from drake_twin.shared_viewer.meshcat_protocol import TransformWriter
 from drake_twin.twin.twin import Twin
 
 _PATH = f"{OVERLAYS}/contact"
@@ -19,7 +19,7 @@ _HEAD = 0.02  # m
 _COLOR = Rgba(0.80, 0.20, 0.20)
 
 
-@overlay("contacts", "Contact forces")
+@overlay("contacts", "Contact forces", "The force on what moves, 1 m for 100 N", "C")
 class ContactForces:
     """The contact force on the body that moves, or on the second body when both move.
 
@@ -31,24 +31,23 @@ class ContactForces:
         self._twin = twin
         self._made = 0
         self._shown = 0
+        self._paths = TransformWriter(())
 
     def draw(self) -> None:
         """Draw the present forces; unused arrows are hidden and reused later."""
-        count = 0
-        for count, (point, force) in enumerate(_forces(self._twin), start=1):
-            if count > self._made:
-                self._scene.set_object(f"{_PATH}/{count}/shaft", Cylinder(_RADIUS, 1.0), _COLOR)
-                self._scene.set_object(f"{_PATH}/{count}/head", MeshcatCone(_HEAD, 2 * _RADIUS, 2 * _RADIUS), _COLOR)
-            length = float(np.linalg.norm(force)) / _NEWTONS_PER_METER
-            turned = RotationMatrix.MakeFromOneVector(force, 2)
-            self._scene.set_transform(f"{_PATH}/{count}", RigidTransform(turned, point))
-            self._scene.set_transform(f"{_PATH}/{count}/shaft", _stretched(length))
-            # Drake's cones stand on their tip.
-            tip = RigidTransform(RotationMatrix.MakeXRotation(np.pi), [0, 0, length + _HEAD])
-            self._scene.set_transform(f"{_PATH}/{count}/head", tip)
+        found = list(_forces(self._twin))
+        count = len(found)
+        for number in range(self._made + 1, count + 1):
+            self._scene.set_object(f"{_PATH}/{number}/shaft", Cylinder(_RADIUS, 1.0), _COLOR)
+            self._scene.set_object(f"{_PATH}/{number}/head", MeshcatCone(_HEAD, 2 * _RADIUS, 2 * _RADIUS), _COLOR)
         for number in range(min(count, self._shown) + 1, max(count, self._shown) + 1):
             self._scene.set_property(f"{_PATH}/{number}", "visible", number <= count)
+        if count != self._shown:
+            arrows = [f"{_PATH}/{number}" for number in range(1, count + 1)]
+            self._paths = TransformWriter([f"{arrow}{part}" for part in ("", "/shaft", "/head") for arrow in arrows])
         self._made, self._shown = max(count, self._made), count
+        if found:
+            self._scene.move(self._paths, _arrows(*(np.array(each) for each in zip(*found, strict=True))))
 
     def remove(self) -> None:
         """Remove the arrows."""
@@ -74,8 +73,25 @@ def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:
             yield surface.centroid(), -force_on_M if is_on_world else force_on_M
 
 
-def _stretched(length: float) -> np.ndarray:
-    """Return the matrix that turns a 1 m cylinder around the origin into one of a length (m) that starts there."""
-    matrix = np.diag([1.0, 1.0, max(length, 1e-6), 1.0])
-    matrix[2, 3] = length / 2
-    return matrix
+def _arrows(points: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Return the poses of all arrows in the world, then of their shafts and of their heads, shape (3 n, 4, 4).
+
+    Args:
+        points: Where they begin (m), shape (n, 3).
+        forces: The forces (N), shape (n, 3).
+    """
+    count = len(points)
+    newtons = np.linalg.norm(forces, axis=1)
+    lengths = newtons / _NEWTONS_PER_METER
+    z = forces / newtons[:, None]
+    x = np.cross(np.where(np.abs(z[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]]), z)
+    x /= np.linalg.norm(x, axis=1)[:, None]
+    poses = np.tile(np.eye(4), (3 * count, 1, 1))
+    arrows, shafts, heads = poses[:count], poses[count : 2 * count], poses[2 * count :]
+    arrows[:, :3, :3] = np.stack([x, np.cross(z, x), z], axis=2)
+    arrows[:, :3, 3] = points
+    shafts[:, 2, 2] = np.maximum(lengths, 1e-6)  # of a cylinder of 1 m
+    shafts[:, 2, 3] = lengths / 2
+    heads[:, 1, 1] = heads[:, 2, 2] = -1.0  # Drake's cones stand on their tip
+    heads[:, 2, 3] = lengths + _HEAD
+    return poses

@@ -3,37 +3,44 @@
 from typing import Any
 
 import numpy as np
-from pydrake.common.eigen_geometry import Quaternion
-from pydrake.geometry import Cylinder, Rgba
-from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.shared_viewer.meshcat_protocol import TransformWriter
 from drake_twin.twin.twin import Twin
 
-_LENGTH, _RADIUS = 0.15, 0.004  # m
-_COLORS = (Rgba(0.86, 0.2, 0.2), Rgba(0.2, 0.66, 0.26), Rgba(0.2, 0.4, 0.88))
+_LENGTH = 0.15  # m
+_COLORS = np.array([(0.86, 0.2, 0.2), (0.2, 0.66, 0.26), (0.2, 0.4, 0.88)])
 
 
-@overlay("frames", "Frames (tf)")
+@overlay("frames", "Frames (tf)", "The frames of /tf and /tf_static, with their names", "Y")
 class Frames:
     """Axes for each frame, at the pose in ``world`` that a tf listener would compute."""
 
     def __init__(self, scene: Scene, twin: Twin):
         self._scene = scene
         self._twin = twin
-        self._drawn: dict[str, str] = {}
+        self._drawn: dict[str, str] = {}  # frame → its path
+        self._names: list[str] = []
+        self._paths = TransformWriter(())
+        self._time = -1.0
 
     def draw(self) -> None:
         """Draw the frames that a chain of transforms connects with ``world``."""
+        if self._twin.time == self._time:
+            return
+        self._time = self._twin.time
         links = {
             link.child_frame_id: link for topic in ("/tf_static", "/tf") for link in _transforms(self._twin, topic)
         }
-        known: dict[str, RigidTransform] = {"world": RigidTransform()}
-        for name in links:
-            pose = _in_world(name, links, known)
-            if pose is not None:
-                self._scene.set_transform(self._axes(name), pose)
+        known: dict[str, np.ndarray] = {"world": np.eye(4)}
+        poses = {name: pose for name in links if (pose := _in_world(name, links, known)) is not None}
+        if not poses:
+            return
+        if list(poses) != self._names:
+            self._names = list(poses)
+            self._paths = TransformWriter([self._axes(name) for name in poses])
+        self._scene.move(self._paths, np.array(list(poses.values())))
 
     def remove(self) -> None:
         """Remove the axes."""
@@ -42,13 +49,9 @@ class Frames:
 
     def _axes(self, frame: str) -> str:
         if frame not in self._drawn:
-            path = f"{OVERLAYS}/frames/{len(self._drawn)}"
-            for axis, color in enumerate(_COLORS):
-                direction = np.eye(3)[axis]
-                self._scene.set_object(f"{path}/{axis}", Cylinder(_RADIUS, _LENGTH), color)
-                turned = RotationMatrix.MakeFromOneVector(direction, 2)
-                self._scene.set_transform(f"{path}/{axis}", RigidTransform(turned, 0.5 * _LENGTH * direction))
-            self._drawn[frame] = path
+            path = self._drawn[frame] = f"{OVERLAYS}/frames/{len(self._drawn)}"
+            ends = np.stack([np.zeros((3, 3)), _LENGTH * np.eye(3)], axis=1).reshape(-1, 3)
+            self._scene.set_lines(path, ends, np.repeat(_COLORS, 2, axis=0), on_top=True, label=frame)
         return self._drawn[frame]
 
 
@@ -57,8 +60,8 @@ def _transforms(twin: Twin, topic: str) -> list[Any]:
     return [] if message is None else list(message.transforms)
 
 
-def _in_world(name: str, links: dict[str, Any], known: dict[str, RigidTransform]) -> RigidTransform | None:
-    """Return a frame's pose in ``world``; None if no chain of transforms leads there."""
+def _in_world(name: str, links: dict[str, Any], known: dict[str, np.ndarray]) -> np.ndarray | None:
+    """Return a frame's pose in ``world`` as a 4x4 matrix; None if no chain of transforms leads there."""
     chain = []
     while name not in known:
         if name not in links or name in chain:
@@ -71,6 +74,15 @@ def _in_world(name: str, links: dict[str, Any], known: dict[str, RigidTransform]
     return known[name]
 
 
-def _pose(transform: Any) -> RigidTransform:
+def _pose(transform: Any) -> np.ndarray:
     q, p = transform.rotation, transform.translation
-    return RigidTransform(Quaternion(np.array([q.w, q.x, q.y, q.z])), [p.x, p.y, p.z])
+    w, x, y, z = q.w, q.x, q.y, q.z
+    s = 2.0 / (w * w + x * x + y * y + z * z)
+    return np.array(
+        [
+            [1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), p.x],
+            [s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x), p.y],
+            [s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y), p.z],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )

@@ -15,12 +15,12 @@ _COLOR = Rgba(0.53, 0.33, 0.74, 0.5)
 _THINNEST = 2e-3  # m
 
 
-@overlay("inertia", "Inertia")
+@overlay("inertia", "Inertia", "A solid ellipsoid for each link, with its moments of inertia", "I")
 class Inertia(BodyShapes):
     """A solid ellipsoid of uniform density for each body with mass, with the moments of inertia of the body."""
 
     def __init__(self, scene: Scene, twin: Twin):
-        super().__init__(scene, twin, f"{OVERLAYS}/inertia", _shapes(twin))
+        super().__init__(scene, twin, f"{OVERLAYS}/inertia", _shapes(twin), on_top=True)
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:

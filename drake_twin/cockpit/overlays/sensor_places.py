@@ -5,10 +5,11 @@ from itertools import pairwise
 import numpy as np
 
 from drake_twin.cockpit.overlay import overlay
+from drake_twin.cockpit.overlays.body_folders import BodyFolders
 from drake_twin.cockpit.scene import OVERLAYS, Scene
-from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.sensors.cameras.settings import CameraSettings
 from drake_twin.sensors.lidar import LidarSettings
+from drake_twin.sensors.sensor_host import sensor_hosts
 from drake_twin.twin.twin import Twin
 
 _FAR_CAMERA, _FAR_RAY = 1.0, 3.0  # m: no line is drawn farther away
@@ -16,34 +17,38 @@ _RAYS = 13  # of a row that are drawn
 _COLOR = (0.98, 0.75, 0.15)
 
 
-@overlay("sensors", "Sensors' views", "The frustums of cameras and the fans of lidars, as the files describe them")
+@overlay("sensors", "Sensors' views", "The frustums of cameras and the fans of lidars, as the files describe them", "B")
 class SensorPlaces:
     """Lines for each camera and lidar, which move with their links."""
 
     def __init__(self, scene: Scene, twin: Twin):
-        self._scene, self._twin = scene, twin
-        self._drawn: list[tuple[str, str, str]] = []
-        for owner, item in twin.entities.sensors:
-            if (ends := lines_of(item)) is not None:
-                path = f"{OVERLAYS}/sensors/{len(self._drawn)}"
-                scene.set_lines(path, ends, _COLOR)
-                self._drawn.append((path, owner, item.place))
+        self._folders = BodyFolders(scene, twin, f"{OVERLAYS}/sensors")
+        setups = [sensor.setup for host in sensor_hosts(twin.diagram) for sensor in host.sensors]
+        for number, setup in enumerate(setups):
+            if (ends := lines_of(setup.settings)) is None:
+                continue
+            body, X_BS = setup.body, setup.pose
+            if not setup.sensor.link:  # it is on a joint, with the joint's frame on the child link
+                body = setup.joint.child_body()
+                X_BS = setup.joint.frame_on_child().GetFixedPoseInBodyFrame() @ X_BS
+            folder, X_FB = self._folders.of(body.index())
+            scene.set_lines(f"{folder}/{number}", ends, _COLOR)
+            scene.set_transform(f"{folder}/{number}", X_FB @ X_BS)
 
     def draw(self) -> None:
-        """Move the lines to their sensors."""
-        for path, robot, place in self._drawn:
-            self._scene.set_transform(path, self._twin.sensor(robot, place).pose)
+        """Move the lines to their sensors, where no browser does."""
+        self._folders.draw()
 
     def remove(self) -> None:
         """Remove the lines."""
-        self._scene.delete(f"{OVERLAYS}/sensors")
+        self._folders.remove()
 
 
-def lines_of(plan: SensorPlan) -> np.ndarray | None:
+def lines_of(settings: object) -> np.ndarray | None:
     """Return the ends of the lines that show what a sensor can see, in its frame (m); None if there is nothing."""
-    if isinstance(plan.settings, CameraSettings):
-        return _frustum(plan.settings)
-    return _fan(plan.settings) if isinstance(plan.settings, LidarSettings) else None
+    if isinstance(settings, CameraSettings):
+        return _frustum(settings)
+    return _fan(settings) if isinstance(settings, LidarSettings) else None
 
 
 def _frustum(camera: CameraSettings) -> np.ndarray:

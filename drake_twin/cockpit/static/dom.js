@@ -16,6 +16,9 @@ export function element(tag, attributes = {}, ...children) {
   return made;
 }
 
+// Bring something of the side panel into view, whatever tab or group it is in (layout.js).
+export const reveal = (node) => node.dispatchEvent(new Event("reveal", { bubbles: true }));
+
 const ICONS = {
   play: "M5 3.5v9l7.500-4.500z",
   pause: "M4.500 3.500h2.500v9H4.500zM9 3.500h2.500v9H9z",

@@ -5,6 +5,7 @@ import { $, element } from "./dom.js";
 const KEYS = [
   ["Space", "Play or pause"],
   ["N", "Step"],
+  ["Shift N", "One picture of the last minute, or a step of a bag, back"],
   ["R", "Reset"],
   ["W A S D, arrows", "Drive the robot whose pad drives by keys; Q and E sideways"],
   ["F", "Fit the selection, or all robots, into the picture"],
@@ -21,15 +22,19 @@ const KEYS = [
 ];
 
 export class Help {
-  constructor() {
-    const rows = KEYS.flatMap(([keys, what]) => [element("dt", {}, element("kbd", { text: keys })), element("dd", { text: what })]);
+  // `more` returns further keys, each with what it does.
+  constructor(more) {
+    this.more = more;
+    this.list = element("dl", {});
     const close = element("button", { class: "primary", text: "Close", onclick: () => this.dialog.close() });
-    this.dialog = element("dialog", { id: "help", "aria-labelledby": "help-title" }, element("h2", { id: "help-title", text: "Keys and mouse" }), element("dl", {}, ...rows), element("menu", {}, close));
+    this.dialog = element("dialog", { id: "help", "aria-labelledby": "help-title" }, element("h2", { id: "help-title", text: "Keys and mouse" }), this.list, element("menu", {}, close));
     document.body.append(this.dialog);
     $("help-button").addEventListener("click", () => this.open());
   }
 
   open() {
+    const rows = [...KEYS, ...this.more()].flatMap(([keys, what]) => [element("dt", {}, element("kbd", { text: keys })), element("dd", { text: what })]);
+    this.list.replaceChildren(...rows);
     this.dialog.showModal();
   }
 }

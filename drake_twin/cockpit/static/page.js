@@ -12,6 +12,7 @@ import { Palette } from "./palette.js";
 import { Panels } from "./panels.js";
 import { Robots } from "./robots.js";
 import { Sensors } from "./sensors.js";
+import { Show } from "./show.js";
 import { Stops } from "./stops.js";
 import { Teleop } from "./teleop.js";
 import { Timeline } from "./timeline.js";
@@ -27,16 +28,18 @@ function ask(what, fields) {
 }
 const time = new TimeControls(ask);
 const view = new View(ask);
+const show = new Show(ask);
 const teleop = new Teleop(ask);
 const robots = new Robots(ask, teleop);
 const messages = new Messages();
 const camera = new Camera();
+show.add({ name: "names", label: "Names", hint: "Names above robots", key: "L", set: (on) => camera.showNames(on) });
 new Capture();
 const moreViews = new MoreViews();
-const help = new Help();
-const layout = new Layout();
-const panels = new Panels(ask, (section) => layout.addFold(section));
-const palette = new Palette((asks) => panels.commands(asks));
+const help = new Help(() => show.described());
+const layout = new Layout(() => panels.look());
+const panels = new Panels(ask, (section) => (section ? layout.add(section) : layout.tabs.tidy()));
+const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks), ...timeline.commands()], robots);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
@@ -48,10 +51,11 @@ connection = new Connection({
   on: {
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
-      for (const part of [time, timeline, view, robots, sensors, panels, camera, moreViews]) part.structure(structure);
+      for (const part of [time, timeline, view, show, robots, sensors, panels, camera, moreViews]) part.structure(structure);
+      layout.structure(structure);
     },
     state(state) {
-      for (const part of [time, timeline, view, robots, sensors, panels, camera, palette]) part.state(state);
+      for (const part of [time, timeline, view, show, robots, sensors, panels, camera, palette]) part.state(state);
       stops.state(state.robots);
       document.body.classList.add("ready");
     },
@@ -65,6 +69,7 @@ connection = new Connection({
   },
   status(now) {
     status = now;
+    if (now === "closed") show.lost();
     lost = "";
     for (const id of ["transport", "timeline", "panel", "stop-all"]) $(id).inert = now !== "open";
     document.body.classList.toggle("gone", now !== "open");
@@ -136,11 +141,16 @@ function onKey(event, down) {
   }
   if (!down || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.code === "Space" && target.closest?.("button, summary, input, a")) return;
-  const isOfView = event.code === "KeyP" || event.code in camera.keys;
+  const shortcuts = { ...show.keys, ...SHORTCUTS };
+  const isOfView = event.code === "KeyP" || event.code in camera.keys || event.code in show.keys;
   if (document.body.classList.contains("display-only") && !isOfView) return;
-  if (event.code in SHORTCUTS) {
+  if (event.code === "KeyN" && event.shiftKey) {
+    timeline.stepBy(-1);
+    return;
+  }
+  if (event.code in shortcuts) {
     event.preventDefault();
-    SHORTCUTS[event.code]();
+    shortcuts[event.code]();
   }
 }
 

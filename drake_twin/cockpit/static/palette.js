@@ -1,6 +1,6 @@
 // Find (Ctrl K): everything on the page that can be pressed, switched, set or opened, and the topics, by words of its name.
 
-import { $, element } from "./dom.js";
+import { $, element, reveal } from "./dom.js";
 
 const MOST = 40; // results that are listed
 const SHORT = 60; // characters of a button's text, above which its title names it
@@ -8,9 +8,10 @@ const OPERABLE = "button, summary, select, input:not([type=hidden])";
 const HERE = ".bar, #panel, #plots, footer"; // where they are looked for
 
 export class Palette {
-  // `more` returns further commands, { text, about, run }, and asks for others if it is given true.
-  constructor(more) {
-    this.more = more;
+  // `more` returns further commands, { text, about, run }, and asks for others if it is given true; `robots` has what can be
+  // operated of robots that are not in the page.
+  constructor(more, robots) {
+    Object.assign(this, { more, robots });
     this.input = element("input", {
       type: "text", role: "combobox", spellcheck: "false", autocomplete: "off", placeholder: "Find a button, a robot, a joint, a topic…",
       "aria-label": "Find", "aria-expanded": "true", "aria-controls": "found", "aria-autocomplete": "list",
@@ -22,12 +23,15 @@ export class Palette {
     this.input.addEventListener("input", () => this.find());
     this.input.addEventListener("keydown", (event) => this.key(event));
     this.dialog.addEventListener("click", ({ target }) => target === this.dialog && this.dialog.close());
+    this.dialog.addEventListener("close", () => this.robots.forgetApart());
     $("find-button").addEventListener("click", () => this.open());
   }
 
   open() {
     if (document.querySelector("dialog[open]")) return;
-    this.offered = [...document.querySelectorAll(OPERABLE)].filter(isOffered).map(commandOf);
+    this.offered = [...document.querySelectorAll(OPERABLE)].filter(isOffered).map((node) => commandOf(node));
+    const isUsable = ({ node }) => !node.disabled && !node.closest("[hidden]");
+    this.offered.push(...this.robots.apart().filter(isUsable).map(({ node, robot, open }) => commandOf(node, robot, open)));
     this.input.value = "";
     this.others = this.more(true);
     this.dialog.showModal();
@@ -90,32 +94,31 @@ export class Palette {
 function isOffered(node) {
   if (!node.closest(HERE) || node.disabled || node.closest("[inert], [data-listed]")) return false;
   for (let each = node; each !== document.body; each = each.parentElement) {
+    if (each.matches(".page")) continue; // its tab can be chosen
     if (each.hidden || (!each.closest(".folded") && each.id !== "panel" && getComputedStyle(each).display === "none")) return false;
   }
   return true;
 }
 
 function nameOf(node) {
-  const { title = "", innerText } = node; // without what is hidden in it
-  const text = innerText.replace(/\s+/g, " ").trim();
+  const { title = "" } = node;
+  const seen = [...node.childNodes].filter((each) => !each.hidden).map(({ textContent }) => textContent);
+  const text = seen.join(" ").replace(/\s+/g, " ").trim();
   const label = node.getAttribute("aria-label") || [...(node.labels ?? [])].map((each) => each.textContent.trim()).join(" ");
   return label || (title && (node.localName !== "summary" || text.length > SHORT) ? title : text);
 }
 
 // A command of what can be operated: it is unfolded and shown; buttons and switches are pressed, all else gets the focus.
-function commandOf(node) {
-  const robot = node.closest("[data-robot]")?.dataset.robot ?? "";
-  const group = node.closest(".group")?.querySelector("h2")?.textContent ?? "";
+// One that is not in the page is put there by `open`.
+function commandOf(node, robot = node.closest("[data-robot]")?.dataset.robot ?? "", open = () => {}) {
+  const group = [node.closest(".group")?.dataset.tab, node.closest(".own-panel")?.ariaLabel].filter(Boolean).join(" · ");
   const name = nameOf(node);
   const state = node.type === "checkbox" ? (node.checked ? "on" : "off") : node.localName === "summary" ? "open" : "";
-  return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), run: () => operate(node) };
+  return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), run: () => (open(), operate(node)) };
 }
 
 function operate(node) {
-  if (node.closest(".panel-closed #panel")) $("panel-toggle").click();
-  node.closest(".folded")?.querySelector(".fold").click();
-  for (let each = node.parentElement; each; each = each.parentElement) if (each.localName === "details") each.open = true;
-  node.scrollIntoView({ block: "nearest" });
+  reveal(node);
   node.focus();
   if (node.localName === "summary") node.parentElement.open = true;
   else if (node.localName === "button" || node.type === "checkbox") node.click();

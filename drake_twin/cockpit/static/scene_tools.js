@@ -1,6 +1,7 @@
 // What a person does in the scene: the page calls these through its iframe. Paths are below the twin's folder.
 
 import { Handles } from "./handles.js";
+import { Placing } from "./placing.js";
 
 const { THREE } = MeshCat;
 const CLICK = 4; // pixels that the pointer may move in a click
@@ -10,6 +11,7 @@ const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this r
 const MARGIN = 1.25; // of the picture to what it shows
 const EDGE = { side: 0.98, top: 0.98, bottom: 0.86 }; // of half the picture: what is farther out leaves it; the timeline is below
 const CORE = 0.7; // of a link's reach is seen while it is in the picture
+const LIFTS = [0, 1.2, 2.4]; // lines that a name may stand higher to overlap no other
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
 class SceneTools {
@@ -21,11 +23,12 @@ class SceneTools {
     this.onrelease = null; // is given { entity }
     this.pulls = false; // whether a press on a link drags it; with Ctrl it always does
     this.onplace = null; // is given { xyz, rpy } of what the handles have moved
-    this.clickOwner = null; // is given clicks in place of onclick
+    this.clickOwner = null; // is given clicks in place of onclick, and if it has hovered(hit), what is under the pointer
     this.glowing = new Map(); // material → its own color
     this.paths = [];
     this.ray = new THREE.Raycaster();
     this.handles = new Handles();
+    this.placing = new Placing(this);
     this.pane = viewer.dom_element; // which captures the pointer for the camera
     this.pane.addEventListener("pointerdown", (event) => this.press(event), true);
     this.isTouched = false;
@@ -38,6 +41,7 @@ class SceneTools {
       if (hit) this.onfocus?.(hit);
     });
     this.selected = []; // the paths that glow
+    this.labels = new Map(); // object → its label, with its size
     this.reaches = new WeakMap(); // link → how far its meshes reach, and how many they are
     this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
@@ -119,7 +123,7 @@ class SceneTools {
       this.drawPull();
       return;
     }
-    if (!this.handles.taken) return;
+    if (!this.handles.taken) return this.placing.hover(event);
     event.stopPropagation();
     this.aim(event);
     this.moved = this.handles.drag(this.ray);
@@ -208,6 +212,15 @@ class SceneTools {
     return [...viewer.camera.getWorldPosition(new THREE.Vector3()).toArray(), ...viewer.controls.target.toArray()];
   }
 
+  // Place the camera where `cameraPlace` said it was.
+  placeCamera(place) {
+    viewer.camera.position.fromArray(place);
+    viewer.controls.target.fromArray(place, 3);
+    viewer.controls.update();
+    this.isTouched = true;
+    viewer.set_dirty();
+  }
+
   // The folder of all that is drawn of the twin; its axes are the world's.
   get twin() {
     return viewer.scene_tree.find(["twin"]).object;
@@ -223,7 +236,7 @@ class SceneTools {
   // What is at a place of the picture: its path and the point in the world (m); null if nothing is.
   pick(place) {
     this.aim(place);
-    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line].includes(child));
+    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line, this.placing.box].includes(child));
     const hit = this.ray.intersectObjects(drawn, true).find(({ object }) => isSeen(object));
     if (!hit) return null;
     const names = [];
@@ -337,19 +350,26 @@ class SceneTools {
     viewer.set_dirty();
   }
 
-  // Place the names; of those that would overlap, the nearest robot's is shown.
+  // Place the names; of those that would overlap, the farther robots' are higher by some lines, or hidden.
   placeNames() {
-    if (!this.names.size) return;
+    if (!this.names.size && !this.labels.size) return;
     const eye = viewer.camera.getWorldPosition(new THREE.Vector3());
     const found = [...this.names].map(([path, name]) => {
       const top = this.topOf(path);
       return { ...name, at: top && this.onPicture(this.twin.worldToLocal(top.clone()).toArray()), distance: top?.distanceTo(eye) };
     });
+    for (const [object, label] of this.labels) {
+      const at = object.getWorldPosition(new THREE.Vector3());
+      found.push({ ...label, at: this.onPicture(this.twin.worldToLocal(at.clone()).toArray()), distance: at.distanceTo(eye), isSmall: true });
+    }
     const shown = [];
-    for (const { label, width, height, at } of found.sort((one, other) => one.distance - other.distance)) {
-      const isFree = at?.isAhead && shown.every(({ at: { x, y }, width: other }) => Math.abs(at.x - x) > (width + other) / 2 || Math.abs(at.y - y) > height);
-      label.hidden = !isFree;
-      if (!isFree) continue;
+    // Robots' names first, then what is nearest.
+    for (const { label, width, height, at } of found.sort((one, other) => (one.isSmall ?? 0) - (other.isSmall ?? 0) || one.distance - other.distance)) {
+      const isFree = (y) => shown.every((other) => Math.abs(at.x - other.at.x) > (width + other.width) / 2 || Math.abs(y - other.at.y) > height);
+      const y = at?.isAhead ? LIFTS.map((lines) => at.y - lines * height).find(isFree) : undefined;
+      label.hidden = y === undefined;
+      if (label.hidden) continue;
+      at.y = y;
       shown.push({ at, width });
       label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
     }

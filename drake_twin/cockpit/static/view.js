@@ -1,11 +1,10 @@
-// The overlays, the camera, recording.
+// What the camera follows, recording.
 
-import { $, element, setText, toggle } from "./dom.js";
+import { $, element, setText } from "./dom.js";
 
 export class View {
   constructor(ask) {
     this.ask = ask;
-    this.toggles = {};
     $("follow").addEventListener("change", () => ask("Follow", { robot: $("follow").value }));
     $("record").addEventListener("click", () => {
       this.wanted = this.recording;
@@ -13,15 +12,7 @@ export class View {
     });
   }
 
-  addOverlay({ name, label, hint }) {
-    const { node, show } = toggle(label, label, (on) => this.ask("Show", { what: name, on }));
-    node.title = hint;
-    this.toggles[name] = show;
-    $("overlays").append(node);
-  }
-
-  structure({ robots, overlays, display_only: displayOnly }) {
-    for (const overlay of overlays) if (!(overlay.name in this.toggles)) this.addOverlay(overlay);
+  structure({ robots, display_only: displayOnly }) {
     this.names = robots.map((robot) => robot.name);
     $("follow").replaceChildren(
       element("option", { value: "", text: "no robot" }),
@@ -34,7 +25,6 @@ export class View {
   }
 
   state(state) {
-    for (const [what, show] of Object.entries(this.toggles)) show(state.shown.includes(what));
     if (document.activeElement !== $("follow")) $("follow").value = state.followed;
     this.recording = state.recording;
     $("recording-badge").hidden = !state.recording;

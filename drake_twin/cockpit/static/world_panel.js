@@ -1,6 +1,6 @@
 // The panel of the world: its tree, what is selected in it or in the scene, its details, and what is done to it.
 
-import { $, element } from "../dom.js";
+import { $, element, reveal } from "../dom.js";
 import { Edits } from "../edits.js";
 import { Inspector } from "../inspector.js";
 import { Tree } from "../tree.js";
@@ -14,6 +14,7 @@ export default class WorldPanel {
       if (["Place", "Duplicate", "Remove", "Undo"].includes(request.do)) this.look();
     };
     this.version = 0;
+    this.isOld = true; // whether the tree may be another one
     this.tree = new Tree((id) => this.select(id));
     this.inspector = new Inspector();
     this.edits = new Edits(this.ask);
@@ -44,8 +45,13 @@ export default class WorldPanel {
     const found = [...nodes.values()].filter(({ kind }) => ["robot", "model", "link"].includes(kind));
     return found.map((node) => {
       const owner = ownerOf(node);
-      return { text: node.name, about: owner === node ? node.kind : `${node.kind} of ${owner.name}`, run: () => this.goTo(node.id) };
+      return { text: node.name, about: owner === node ? node.kind : `${node.kind} of ${owner.name}`, run: () => this.find(node.id) };
     });
+  }
+
+  find(id) {
+    reveal(this.node);
+    this.goTo(id);
   }
 
   // Select it and let it fill the picture.
@@ -57,12 +63,19 @@ export default class WorldPanel {
   }
 
   undo() {
-    if (this.undone && !document.body.matches(".display-only, .playback")) this.ask({ do: "Undo" });
+    if (!document.body.matches(".display-only, .playback")) this.ask({ do: "Undo" });
+  }
+
+  // Robots or models have come or gone: the scene needs the tree also while nobody sees it.
+  structure() {
+    this.isOld = true;
+    this.look();
   }
 
   // Ask for data, while somebody can see them.
   look() {
-    if (!this.tools || document.visibilityState !== "visible" || this.node.offsetParent === null) return;
+    const isSeen = document.visibilityState === "visible" && this.node.checkVisibility();
+    if (!this.tools || !(isSeen || this.isOld)) return;
     this.ask({ do: "Look", version: this.version, node: this.tree.selected });
   }
 
@@ -115,7 +128,8 @@ export default class WorldPanel {
       this.tree.show(world.tree);
       this.version = world.version;
     }
-    if (world.version !== this.version) this.look();
+    this.isOld = world.version !== this.version;
+    if (this.isOld) this.look();
     const { selected } = this.tree;
     if (!selected || selected in world.details) this.show(world.details[selected] ?? null, world.undo);
     this.mark();
