@@ -27,7 +27,7 @@ from drake_twin.shared_viewer.drawn_mesh import MeshPart, read_mesh
 from drake_twin.shared_viewer.shared_scene import WORLD, DrawnGeometry
 
 _REPEAT = 1000
-_TEXTURE = {"wrap": [_REPEAT, _REPEAT], "repeat": [1, 1], "colorSpace": "srgb", "anisotropy": 4}
+_TEXTURE = {"wrap": [_REPEAT, _REPEAT], "repeat": [1, 1], "colorSpace": "srgb"}
 _FLOAT32, _UINT32 = ("Float32Array", 0x17), ("Uint32Array", 0x16)
 _DOUBLE_SIDE = 2
 _HALF_SPACE_SIDE = 100.0  # m: as large as a viewer draws an infinite plane

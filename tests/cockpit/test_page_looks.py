@@ -54,15 +54,17 @@ def ball(radius, rings=12, sides=24):
 def shot_of(it, tab, *keys):
     """The picture of a paused twin, whole or as a key says, and a function from a point of the world to its pixels."""
     it.twin.pause()
+    it.frames(lambda: bool(tools(tab, f"boxOf({list(it.twin.robots)})")))
     it.for_frames(5)
     for key in keys:
         tab.keyboard.press(key)
     it.for_frames(2)
     shot = picture(tab)
+    scale = shot.shape[1] / tab.locator("#scene").bounding_box()["width"]  # Firefox takes it in the screen's pixels
 
     def around(x, y, z, reach=1):
         at = tools(tab, f"onPicture([{x}, {y}, {z}])")
-        row, column = round(at["y"]), round(at["x"])
+        row, column = round(scale * at["y"]), round(scale * at["x"])
         return shot[row - reach : row + reach + 1, column - reach : column + reach + 1]
 
     return shot, around
