@@ -116,6 +116,11 @@ class Registry(Mapping[str, _K]):
         """Tell whether another package has registered a name."""
         return name in self._kinds and not self._kinds[name].is_own
 
+    @property
+    def modules(self) -> frozenset[str]:
+        """The modules that have registered something so far."""
+        return frozenset(entry.module for entry in self._kinds.values())
+
     def unknown(self, name: str, others: Iterable[str] = ()) -> InputError:
         """Return an error about a name that no kind has, with those there are and others."""
         return InputError(f"unknown {self.noun} {name!r}", value=name, valid=sorted((*self, *others)))

@@ -36,9 +36,13 @@ def _parser() -> ArgumentParser:
     )
     parser.add_argument("bag", metavar="BAG", type=Path, help="the bag's folder")
     parser.add_argument("--rate", type=float, default=1.0, help="seconds of the bag per second (default: 1)")
+    parser.add_argument(
+        "--compare", type=Path, metavar="BAG", help="lay another bag over it: ghosts, curves, differences"
+    )
     parser.add_argument("--package-path", action="append", default=[], metavar="DIR", help="a folder of ROS packages")
     parser.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    parser.add_argument("--loop", action="store_true", help="begin again where the bag ends")
     parser.add_argument("--end", action="store_true", help="end the program where the bag ends")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
     add_version(parser)
@@ -70,7 +74,7 @@ def _play(bag: "Bag", package_paths: tuple[str, ...], options: argparse.Namespac
         scenario, robots = recorded_scenario(bag, package_paths)
         twin = Twin(scenario)
         player = BagPlayer(bag, twin, robots)
-    player.rate = options.rate
+    player.rate, player.loop = options.rate, options.loop
     for kind, sentence in grouped(player.findings):
         say(f"{kind}: {sentence}", sys.stderr)
     page = ServedPage(options.port)
@@ -79,6 +83,8 @@ def _play(bag: "Bag", package_paths: tuple[str, ...], options: argparse.Namespac
         cockpit, unplaced = page.show(twin, player=player), player.unplaced
         player.restart()
         player.advance_to(0.0)
+        if options.compare is not None:
+            player.comparison.open(options.compare)
         player.paused = False
         _announce(bag, [robot.name for robot in robots])
         for name, link in unplaced:
@@ -96,8 +102,8 @@ def _play(bag: "Bag", package_paths: tuple[str, ...], options: argparse.Namespac
 
 
 def _announce(bag: "Bag", robots: Sequence[str]) -> None:
-    """Print what the bag holds, and what of it is not shown."""
-    from drake_twin.playback.bag_player import is_shown
+    """Print what the bag holds, and what of it does not move the robots."""
+    from drake_twin.playback.posed_bag import is_shown
 
     say(f"bag: {bag.duration:.3f} s from {bag.start * 1e-9:.3f} s on; robots: {', '.join(robots)}")
     rest = [
@@ -106,7 +112,7 @@ def _announce(bag: "Bag", robots: Sequence[str]) -> None:
         if topic not in bag.descriptions and not is_shown(topic, kind)
     ]
     if rest:
-        say(f"not shown: {', '.join(rest)}", sys.stderr)
+        say(f"not in the scene, but under Sensors and ROS: {', '.join(rest)}", sys.stderr)
     for topic in sorted(bag.changed_descriptions):
         say(f"not shown: {topic} changes later: the robot is shown as it is described first", sys.stderr)
     if not any(is_shown(topic, kind) for topic, (kind, _) in bag.topics.items()):

@@ -33,6 +33,7 @@ BASE = {
     "zenoh": "eclipse-zenoh>=1.6.1",
 }
 OPTIONAL = {
+    "av": "av>=14",
     "coacd": "coacd>=1",
     "cyclonedds": "cyclonedds>=11.0.1",
     "foxglove": "foxglove-sdk>=0.26",
@@ -64,6 +65,7 @@ EXTRAS = {
     "benchmarks": Extra("`python -m drake_twin.benchmarks`", ("matplotlib", "mujoco", "pybullet")),
     "dds": Extra("`--ros dds`", ("cyclonedds",)),
     "decomposition": Extra("`collision: decomposition`", ("coacd",)),
+    "film": Extra("`--record film.mp4`", ("av",)),
     "foxglove": Extra("`--foxglove`", ("foxglove",)),
     "gym": Extra("`import drake_twin.gym`", ("gymnasium",)),
     "notebook": Extra("`diagrams/tour.ipynb`", ("jupyterlab",)),

@@ -16,7 +16,7 @@ from drake_twin.cli.lost import check_failed, check_lost
 from drake_twin.cli.node_options import end_of_launch, start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
-from drake_twin.cli.plugins import load_plugins
+from drake_twin.cli.plugins import load_panels, load_plugins
 from drake_twin.cli.program_page import ProgramPage
 from drake_twin.cli.rebuilt_twin import rebuilt_twin
 from drake_twin.cli.results import save_results
@@ -54,8 +54,9 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     """
     check(options)
     with ExitStack() as stack:
-        stack.enter_context(plugins_watched(options.plugin))
+        stack.enter_context(plugins_watched([*options.plugin, *options.panel]))
         load_plugins(options.plugin)
+        load_panels(options.panel)
         if options.show_kinds:
             from drake_twin.cli.kinds import kinds_text
 

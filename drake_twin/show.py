@@ -5,7 +5,10 @@ import sys
 import weakref
 from time import perf_counter, sleep
 from types import ModuleType
+from typing import cast
 
+from drake_twin.cockpit.own_panels import OwnPanels
+from drake_twin.cockpit.page_panel import PagePanel
 from drake_twin.cockpit.served_page import ServedPage
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
@@ -90,6 +93,14 @@ class TwinPage(Owned, path="page"):
         """Process the page's requests, draw the present state and publish it; call it between steps."""
         if self.is_open:
             self._process()
+
+    def panel(self, title: str) -> PagePanel:
+        """Return a new panel of the page, to be filled with sliders, buttons, plots, …; it replaces one of its title.
+
+        Raises:
+            InputError: If the title is not a short text of one line.
+        """
+        return cast(OwnPanels, self._cockpit.panels["own"]).add(title)
 
     def close(self) -> None:
         """End the page. The twin is not changed."""

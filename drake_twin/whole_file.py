@@ -4,8 +4,10 @@ import contextlib
 import io
 import os
 import secrets
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from drake_twin.errors import RunError
 
@@ -56,15 +58,45 @@ def write_whole(file: Path, content: str | bytes) -> None:
     """
     data = content.encode() if isinstance(content, str) else content
     file = file.resolve()
-    if file.exists() and not (file.is_file() and os.access(file.parent, os.W_OK)):  # a pipe, or in a closed folder
+    if _has_to_stay(file):
         _write_in_place(file, data)
         return
+    with _replaced(file) as stream:
+        stream.write(data)
+
+
+@contextlib.contextmanager
+def whole_stream(file: Path) -> Iterator[BinaryIO]:
+    """Open a file to write bit by bit; it is there when the block ends, and as before if that raises an error.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    file = file.resolve()
+    if _has_to_stay(file):
+        with tempfile.TemporaryFile() as stream:
+            yield stream
+            stream.seek(0)
+            _write_in_place(file, stream.read())
+        return
+    with _replaced(file) as replacing:
+        yield replacing
+
+
+def _has_to_stay(file: Path) -> bool:
+    """Return whether a file cannot be replaced: a pipe, or one in a closed folder."""
+    return file.exists() and not (file.is_file() and os.access(file.parent, os.W_OK))
+
+
+@contextlib.contextmanager
+def _replaced(file: Path) -> Iterator[BinaryIO]:
+    """Open a file without a name, or with another one, that takes the place of a file when the block ends."""
     name = file.name.encode()[:200].decode(errors="ignore")
     part = file.with_name(f".{name}.{secrets.token_hex(4)}.part")
     descriptor, has_name = _open_part(part)
     try:
         with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
+            yield stream
             stream.flush()
             os.fsync(descriptor)
             if file.exists():

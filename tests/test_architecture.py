@@ -27,6 +27,7 @@ ROOMS = [
     ["launch", "recording"],  # shorter addresses of what stands in ros2 and twin
     ["builder", "playback"],
     ["cockpit"],
+    ["film"],
     ["shared_viewer"],
     ["services", "client"],
     ["wires"],

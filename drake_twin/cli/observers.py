@@ -1,4 +1,4 @@
-"""The shared page and the plot of a run, which observe it and change nothing in it."""
+"""The shared page, the plot and the film of a run, which observe it and change nothing in it."""
 
 import argparse
 import os
@@ -6,11 +6,13 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from drake_twin.cli.options import film_format
 from drake_twin.cli.target import target_name
-from drake_twin.program import say
+from drake_twin.program import say, write_each
 
 if TYPE_CHECKING:
     from drake_twin.cli.history import HistoryRecorder
+    from drake_twin.film.film import Film
     from drake_twin.shared_viewer.shared_viewer import SharedViewer
     from drake_twin.twin.twin import Twin
 
@@ -31,6 +33,7 @@ class Observers:
         self._stopped = stopped
         self._viewer: SharedViewer | None = None
         self._recorder: HistoryRecorder | None = None
+        self._film: Film | None = None
 
     def __enter__(self) -> "Observers":
         options = self._options
@@ -45,12 +48,18 @@ class Observers:
             from drake_twin.cli.history import HistoryRecorder
 
             self._recorder = HistoryRecorder()
+        if options.film is not None:
+            from drake_twin.film.film import Film
+
+            self._film = Film(options.film, film_format(options))
         return self
 
     def observe(self, twin: "Twin") -> Callable[[], None]:
         """Observe a twin from now on; return the function to call each frame."""
         if self._recorder is not None:
             self._recorder.record(twin)
+        if self._film is not None:
+            self._film.shoot(twin)
         viewer = self._viewer
         return (lambda: None) if viewer is None else (lambda: viewer.draw(twin))
 
@@ -60,7 +69,13 @@ class Observers:
             while self._viewer.is_behind and not self._stopped and time.monotonic() < end:
                 self._viewer.flush(_FLUSH)
             self._viewer.close(_STOPPED_WAIT)
+        writers: list[Callable[[], None]] = []
         if self._recorder is not None:
             from drake_twin.cli.plot import write_plot
 
-            write_plot(self._recorder.history(), self._options.plot)
+            history = self._recorder.history()
+            writers.append(lambda: write_plot(history, self._options.plot))
+        if self._film is not None:
+            writers.append(self._film.finish)
+        if (failure := write_each(writers, None)) is not None:
+            raise failure

@@ -9,6 +9,7 @@ from typing import Any
 from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
 from drake_twin.errors import InputError
+from drake_twin.film.kinds import FILMS, PICTURE, Format, check_film, is_film
 from drake_twin.program import ArgumentParser, add_keep_going, add_repeated, add_strict, add_version
 from drake_twin.ros2.ros_arguments import without_ros_arguments
 from drake_twin.scenario import LONGEST_TIME
@@ -35,6 +36,18 @@ examples:
   python -m drake_twin.run --robots 2 --viewer tcp://127.0.0.1:6000"""
 
 
+class _Record(argparse.Action):
+    """Tells the file of a film from that of a recording, by its name: there may be both."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
+        setattr(namespace, "film" if is_film(values) else "record", values)
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, height = map(int, text.lower().split("x"))
+    return width, height
+
+
 class _Parser(ArgumentParser):
     """Leaves ``--ros-args`` … ``--`` to ROS, as its own programs do."""
 
@@ -43,6 +56,7 @@ class _Parser(ArgumentParser):
         own, of_ros = without_ros_arguments(sys.argv[1:] if args is None else args)
         options = super().parse_args(own, namespace)
         options.ros_args = of_ros
+        options.film = getattr(options, "film", None)
         return options
 
 
@@ -124,7 +138,11 @@ def _add_page(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--headless", action="store_true", help="no page")
     group.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     group.add_argument("--host", default="127.0.0.1", help="the address to serve the page on (default: 127.0.0.1)")
+    group.add_argument(
+        "--compare", type=Path, metavar="BAG", help="lay a bag over the run on the page: ghosts, curves, differences"
+    )
     group.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    add_repeated(group, "--panel", "FILE", "a .py file with a panel of your own: sliders, buttons, plots, …")
     group.add_argument(
         "--viewer",
         metavar="URL",
@@ -146,7 +164,16 @@ def _add_launch_files(group: argparse._ArgumentGroup) -> None:
 def _add_state(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--save-state", type=Path, metavar="FILE", help="save the state at the end")
     group.add_argument("--load-state", type=Path, metavar="FILE", help="continue from a saved state, with its robots")
-    group.add_argument("--record", type=Path, metavar="FILE", help="record what is done to the twin, for --replay")
+    group.add_argument(
+        "--record",
+        type=Path,
+        action=_Record,
+        metavar="FILE",
+        help="record what is done to the twin, for --replay; with a name that ends in"
+        f" {', '.join(FILMS)}: a film of the run ({PICTURE}: a picture of its end)",
+    )
+    group.add_argument("--record-size", type=_size, metavar="WxH", help="the size of a film (default: 1280x720)")
+    group.add_argument("--record-rate", type=float, metavar="HZ", help="its pictures a simulated second (default: 30)")
     group.add_argument("--replay", type=Path, metavar="FILE", help="replay a recorded run, then continue from its end")
     group.add_argument("--episode", metavar="FILE:ROW", help="run an episode of a sweep's table again")
     group.add_argument("--end-with-recording", action="store_true", help="end where the recording of --replay ends")
@@ -188,20 +215,38 @@ def check(options: argparse.Namespace) -> None:
         from drake_twin.cli.plot import check_plot_file
 
         check_plot_file(options.plot)
-    for name in ("summary", "plot", "save_state", "record", "save_html"):
+    for name in ("summary", "plot", "save_state", "record", "film", "save_html"):
         file = getattr(options, name)
         if file is not None and not _is_writable(file):
-            raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
+            option = "record" if name == "film" else name.replace("_", "-")
+            raise InputError(f"--{option} {file}: no file can be written there")
+    _check_film(options)
     _check_viewer(options)
     for kind in wire_kinds():
         kind.check(options)
     if options.save_html is not None and options.watch:
         raise InputError("--save-html records one run: it cannot be combined with --watch")
+    if options.compare is not None and options.headless:
+        raise InputError("--compare lays a bag over the run on the page: it cannot be combined with --headless")
     if options.end_with_recording and (options.replay is None or options.duration is not None):
         what = "it needs --replay FILE" if options.replay is None else "it cannot be combined with --duration"
         raise InputError(f"--end-with-recording ends the run where its recording ends: {what}")
     if options.port is not None and not 1024 <= options.port <= 65535:
         raise InputError(f"--port {options.port}: the page's port must be from 1024 to 65535")
+
+
+def film_format(options: argparse.Namespace) -> Format:
+    """Return what the film of the options is made of."""
+    given = {"size": options.record_size, "rate": options.record_rate}
+    return Format(**{name: value for name, value in given.items() if value is not None})
+
+
+def _check_film(options: argparse.Namespace) -> None:
+    if options.film is not None:
+        check_film("--record", options.film, film_format(options))
+    elif (options.record_size, options.record_rate) != (None, None):
+        what = "--record-size" if options.record_size is not None else "--record-rate"
+        raise InputError(f"{what} is about a film: it needs --record FILE with a name in {', '.join(FILMS)}")
 
 
 def _check_viewer(options: argparse.Namespace) -> None:

@@ -1,4 +1,4 @@
-"""The option ``--plugin``: modules that register controllers, sensors, repairs or page panels of others."""
+"""The options ``--plugin`` and ``--panel``: modules that register controllers, sensors, … or panels of the page."""
 
 import sys
 import traceback
@@ -20,11 +20,29 @@ def add_plugin(parser: ArgumentParser) -> None:
     add_repeated(parser, "--plugin", "MODULE", what)
 
 
-def load_plugins(names: Iterable[str]) -> None:
+def load_panels(files: Iterable[str]) -> None:
+    """Import the files of ``--panel``, as `load_plugins` does.
+
+    Raises:
+        InputError: If a file does not exist, raises an error while it is imported, or adds no panel to the page.
+    """
+    for file in files:
+        from drake_twin.cockpit.page_panel import PAGE_PANELS
+
+        load_plugins([file], "--panel")
+        if file.endswith(".py") and _module_name(_file_of(file)) not in PAGE_PANELS.modules:
+            raise InputError(
+                f"--panel {file}: it adds no panel to the page. A function with @page_panel('TITLE'), of"
+                " drake_twin.cockpit.page_panel, is called with an empty panel and the twin"
+            )
+
+
+def load_plugins(names: Iterable[str], option: str = "--plugin") -> None:
     """Import modules, each once, so that what they register is known.
 
     Args:
         names: Dotted names, or paths that end in ``.py``.
+        option: The option that named them, for errors.
 
     Raises:
         InputError: If a module does not exist, or raises an error while it is imported.
@@ -32,15 +50,15 @@ def load_plugins(names: Iterable[str]) -> None:
     for name in names:
         MODULES_OF_OTHERS.add(name if not name.endswith(".py") else _module_name(_file_of(name)))
         if name.endswith(".py"):
-            _import_file(name)
+            _import_file(name, option)
         else:
-            _import_module(name)
+            _import_module(name, option)
 
 
-def _import_file(name: str) -> None:
+def _import_file(name: str, option: str) -> None:
     file = _file_of(name)
     if not file.is_file():
-        raise InputError(f"--plugin {name}: no such file")
+        raise InputError(f"{option} {name}: no such file")
     module_name = _module_name(file)
     if module_name in sys.modules:
         return
@@ -52,7 +70,7 @@ def _import_file(name: str) -> None:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         del sys.modules[module_name]
-        raise _failure(name, error) from error
+        raise _failure(f"{option} {name}", error) from error
 
 
 def _file_of(name: str) -> Path:
@@ -64,7 +82,7 @@ def _module_name(file: Path) -> str:
     return f"{file.stem}_{crc32(str(file).encode()):08x}"
 
 
-def _import_module(name: str) -> None:
+def _import_module(name: str, option: str) -> None:
     if "" not in sys.path and str(Path.cwd()) not in sys.path:
         sys.path.insert(0, str(Path.cwd()))  # where python -m looks, too
     try:
@@ -72,14 +90,14 @@ def _import_module(name: str) -> None:
     except (Exception, SystemExit) as error:
         if isinstance(error, ModuleNotFoundError) and f"{name}.".startswith(f"{error.name}."):
             raise InputError(
-                f"--plugin {name}: no module named {error.name!r}; a file is named by its path, which ends in .py"
+                f"{option} {name}: no module named {error.name!r}; a file is named by its path, which ends in .py"
             ) from error
-        raise _failure(name, error) from error
+        raise _failure(f"{option} {name}", error) from error
 
 
-def _failure(name: str, error: BaseException) -> InputError:
+def _failure(what: str, error: BaseException) -> InputError:
     """Return what a plugin raised, with the line of the plugin, or of what it imports, that raised it."""
-    text = f"--plugin {name}: {type(error).__name__}: {' '.join(str(error).split())}"
+    text = f"{what}: {type(error).__name__}: {' '.join(str(error).split())}"
     if isinstance(error, SyntaxError):
         return InputError(text, file=error.filename, line=error.lineno)
     frames = [item for item in traceback.extract_tb(error.__traceback__) if not item.filename.startswith("<frozen")]

@@ -3,7 +3,8 @@
 import argparse
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from drake_twin.cli.target import Target
 from drake_twin.program import say
@@ -29,6 +30,7 @@ class ProgramPage:
         self._page = ServedPage(options.port, options.host)
         self._open_browser = not options.no_browser
         self._view_sensors: bool = options.view_sensors
+        self._compared: Path | None = options.compare
         self._shown: Twin | None = None
         self._process_requests: Callable[[], None] = lambda: None
 
@@ -45,6 +47,9 @@ class ProgramPage:
         self._process_requests = cockpit.process_requests
         if self._view_sensors:
             cockpit.sensors.show_all()
+        if self._compared is not None:
+            comparison: Any = cockpit.panel("compare")
+            comparison.open(self._compared)
         if self._shown is None:
             self._page.announce(open_browser=self._open_browser)
             if not self._page.server.access.is_local:

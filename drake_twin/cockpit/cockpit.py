@@ -4,6 +4,7 @@ import json
 import time as wall_clock
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 from weakref import WeakMethod
 
@@ -11,8 +12,9 @@ from drake_twin.cockpit import protocol
 from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
+from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, make_overlay, make_panel
+from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panels, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.player import Player
@@ -28,12 +30,10 @@ from drake_twin.cockpit.timeline import Timeline
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind, grouped
 from drake_twin.planning.controller_plan import chained_to
-from drake_twin.scenario import LONGEST_TIME
 from drake_twin.twin.controller_manager import STRICT
 from drake_twin.twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
-_PATIENCE = 60  # snapshots, about 4 s, that have efforts without a tab asking again
 _RECORDING = "run.html"
 _NOT_IN_CALLBACKS = (protocol.Step, protocol.RunTo, protocol.Reset, protocol.GoOnFrom, protocol.Delete)
 _BETWEEN_ADVANCES = (*_NOT_IN_CALLBACKS, protocol.AskPanel)  # a panel may ask for what a callback cannot do
@@ -53,6 +53,7 @@ class Cockpit:
 
     Attributes:
         sensors: The sensors that the page shows.
+        panels: The Python halves of its panels by name.
     """
 
     def __init__(
@@ -74,6 +75,8 @@ class Cockpit:
         for kind, sentence in grouped(twin.findings if player is None else player.findings):
             if kind is not Kind.WINDOW:
                 self._log.add("warning" if kind is Kind.MENDED else str(kind), sentence)
+        for level, text, self._log.time in () if player is None else player.logs:
+            self._log.add(level, text)
         self._end_log = self._log.follow(twin)
         self._clients: frozenset[int] = frozenset()
         self._asked: deque[tuple[int, protocol.Request]] = deque()
@@ -82,17 +85,18 @@ class Cockpit:
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
-        self._panels: dict[str, Panel] = {}
+        self.panels: dict[str, Panel] = {}
         for name, panel in PANEL_KINDS.items():
-            self._panels[name] = make_panel(panel, twin)
+            own = None if player is None else player.panels.get(name)
+            self.panels[name] = own or make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
-        self.sensors = SensorView(twin, scene, server.send_bytes)
+        make_sensors = partial(SensorView, twin) if player is None else player.sensors
+        self.sensors = make_sensors(scene, server.send_bytes)
         self._timeline = Timeline(twin, scene)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
-        self._end_run_to: Callable[[], None] | None = None
-        self._efforts_left = 0
+        self._looks = Looks()
         self._stepping = Stepping(twin)
         self._published_log = -1
         self._published_timeline = ""
@@ -104,13 +108,13 @@ class Cockpit:
         if self._clients:
             self._twin.inbox.close(urgent=False)
         self._end_log()
-        if self._end_run_to is not None:
-            self._end_run_to()
+        self._stepping.close()
         for overlay in self._overlays.values():
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
-        self._watch_panels(False)
+        watch_panels(self.panels, False)
+        close_panels(self.panels)
         self._camera.follow("", self._twin)
 
     def process_requests(self, *, in_callback: bool = False) -> None:
@@ -146,9 +150,21 @@ class Cockpit:
             self._try(self._do, *self._asked.popleft(), in_callback)
             self._follow_robots()
 
+    def panel(self, name: str) -> Panel:
+        """Return the Python half of a panel.
+
+        Raises:
+            InputError: If it is unknown.
+        """
+        if name not in self.panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
+        return self.panels[name]
+
     def draw(self) -> None:
-        """Draw the twin's present state, with the overlays that are shown."""
-        if self._timeline.draw():
+        """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
+        looked = self._timeline.draw(wall_clock.perf_counter())
+        self._try(draw_panels, self.panels, self._scene, self._clock.time if looked is None else looked)
+        if looked is not None:
             return
         frame = self._scene.frame(self._twin)
         self._scene.show(frame)
@@ -191,8 +207,12 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+            case protocol.ColorSensor(sensor, by):
+                self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
-                self._efforts_left = _PATIENCE
+                self._looks.at_efforts()
+            case protocol.LookAtRobots(robots):
+                self._looks.at_robots(robots, self._twin.robots)
             case protocol.Follow(robot):
                 self._camera.follow(robot, self._twin)
             case protocol.AskPanel(panel, data):
@@ -216,15 +236,13 @@ class Cockpit:
             case protocol.Step(count):
                 self._stepping.begin(count)
             case protocol.RunTo(time):
-                self._run_to(time)
+                self._stepping.run_to(time)
             case protocol.Reset():
                 twin.reset()
                 self._commands.forget()
                 self._teleop.forget()
-            case protocol.Look(time):
-                self._timeline.look(time)
-            case protocol.LookAtNow():
-                self._timeline.look_at_now()
+            case protocol.Look() | protocol.LookBy() | protocol.Replay() | protocol.Loop() | protocol.LookAtNow():
+                self._timeline.do(request)
             case protocol.GoOnFrom(time):
                 self._go_on_from(time)
             case protocol.SetRate(rate):
@@ -248,27 +266,6 @@ class Cockpit:
                 self._record(on)
             case protocol.Delete(robot):
                 twin.entities.delete(robot)
-
-    def _run_to(self, time: float) -> None:
-        """Continue, and pause at the first step that is not before a time (s)."""
-        twin = self._twin
-        if time > LONGEST_TIME:
-            raise InputError(f"{time:g} s is not a simulation time: {LONGEST_TIME:g} s is the longest")
-        if time <= twin.time:
-            raise InputError(f"{time:g} s lies in the past: the twin is at {twin.time:g} s. Reset it to start again")
-        if self._end_run_to is not None:
-            self._end_run_to()
-
-        def stop(_message: object) -> None:
-            if self._twin.time >= time - 1e-9:
-                self._twin.pause()
-                if self._end_run_to is not None:
-                    self._end_run_to()
-                self._end_run_to = None
-
-        # A subscription with this period has its first delivery after zero at this time, exact to the step.
-        self._end_run_to = twin.subscribe("/clock", stop, rate=1.0 / time)
-        twin.play()
 
     def _go_on_from(self, time: float) -> None:
         now, reached = self._twin.time, self._timeline.go_on_from(time)
@@ -324,17 +321,12 @@ class Cockpit:
             self._overlays.pop(name).remove()
 
     def _ask_panel(self, name: str, data: str) -> None:
-        if name not in self._panels:
-            raise InputError(f"unknown panel {name!r}", value=name, valid=self._panels)
+        panel = self.panel(name)
         try:
             value = json.loads(data)
         except (ValueError, RecursionError):
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
-        self._panels[name].ask(value)
-
-    def _watch_panels(self, is_watched: bool) -> None:
-        for panel in self._panels.values():
-            getattr(panel, "watch", lambda _: None)(is_watched)
+        panel.ask(value)
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
@@ -350,7 +342,7 @@ class Cockpit:
         if bool(clients) != bool(self._clients):
             (self._twin.inbox.open if clients else self._twin.inbox.close)(urgent=False)
             self.sensors.watch(bool(clients))
-            self._watch_panels(bool(clients))
+            watch_panels(self.panels, bool(clients))
             if self._player is None and not self._only_displayed:
                 self._timeline.watch(bool(clients))
         newcomers, self._clients = clients - self._clients, clients
@@ -367,8 +359,10 @@ class Cockpit:
         texts: dict[str, str] = {}
         if self._structure is None or everything:
             whole = structure(self._twin, self._commands, self._teleop, only_displayed=self._only_displayed)
-            is_live = self._player is None and not self._only_displayed
-            listing = {"playback": self._player is not None, "sensors": self.sensors.listing() if is_live else []}
+            listing = {
+                "playback": self._player is not None,
+                "sensors": self.sensors.listing() if not self._only_displayed else [],
+            }
             self._structure = _json(whole | listing)
             texts["robots"] = self._structure
         if everything or self._log.version != self._published_log:
@@ -384,10 +378,11 @@ class Cockpit:
             "recording": self._recording is not None,
             "recordings": self._recordings,
             "sensors": self.sensors.state(),
-            "panels": {name: data for name, item in self._panels.items() if (data := item.state()) is not NO_STATE},
+            "panels": {name: data for name, item in self.panels.items() if (data := item.state()) is not NO_STATE},
         }
-        present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
-        self._efforts_left -= 1
+        looks = self._looks
+        present = state(self._twin, self._commands, more, looks.robots, with_efforts=looks.need_efforts)
+        looks.pass_snapshot()
         if self._player is not None:
             self._player.amend(present)
         texts["state"] = _json(present)

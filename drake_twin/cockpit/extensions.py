@@ -15,13 +15,13 @@ class PageRegistry(Registry[_K]):
 
     Args:
         noun: What a part is called, and its decorator's name.
-        package: The package with the twin's own.
+        packages: The packages with the twin's own.
         first: Those of its modules whose parts come first.
     """
 
-    def __init__(self, noun: str, package: str, first: Sequence[str]):
+    def __init__(self, noun: str, packages: Sequence[str], first: Sequence[str]):
         warn = logging.getLogger(__name__).warning
-        super().__init__(noun, noun, "drake_twin.page_panels", [package], first, failed=warn)
+        super().__init__(noun, noun, "drake_twin.page_panels", packages, first, failed=warn)
 
     def add(self, name: str, kind: _K, code: Callable[..., Any], *, replace: bool = False) -> None:
         """Register a part.

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from math import ceil, isfinite
 from typing import Any
 
+from drake_twin.cockpit.field_units import unit_at
 from drake_twin.cockpit.message_fields import number_at
 from drake_twin.errors import InputError
 from drake_twin.twin.endpoints import PUBLISHED, Endpoint
@@ -62,6 +63,12 @@ def tap_transforms(twin: Twin, add: Callable[..., None]) -> Callable[[], None]:
     return tap(twin, _TRANSFORMS, topics.__contains__, lambda topic, item: add(item, is_static=topic == topics[1]))
 
 
+def _sliding_joints(twin: Twin, robot: str) -> dict[str, bool]:
+    """Return for each joint of a robot, or of all for a topic of none, whether it is prismatic."""
+    plans = [plan for plan in twin.built.plans if robot in ("", plan.name)]
+    return {joint.name: joint.type == "prismatic" for plan in plans for joint in plan.description.movable_joints}
+
+
 class _Heard:
     """A topic that is listened to, until it ends."""
 
@@ -84,6 +91,8 @@ class HeardTopic(_Heard):
         self.time = 0.0
         self.pending: dict[str, deque[tuple[float, float | None]]] = {}  # field → samples since the last snapshot
         self.problems: dict[str, str] = {}  # field → why the last message has no number there
+        self.units: dict[str, str] = {}  # field → its unit
+        self._slides = _sliding_joints(twin, endpoint.robot)
         name, rate = endpoint.name, endpoint.rate
         self._ends = [tap(twin, endpoint.type, name.__eq__, lambda _, message: self._note(message))]
         if is_of_twin(twin, name):
@@ -94,6 +103,7 @@ class HeardTopic(_Heard):
         """Take samples of these fields from now on, and of no others."""
         self.pending = {field: self.pending.get(field, deque(maxlen=_MOST_SAMPLES)) for field in sorted(fields)}
         self.problems = {field: text for field, text in self.problems.items() if field in fields}
+        self.units = {field: unit for field, unit in self.units.items() if field in fields}
 
     def _note(self, message: Any) -> None:
         self.message, self.time = message, self._twin.time
@@ -104,7 +114,9 @@ class HeardTopic(_Heard):
                 self.problems[field] = str(error)
                 continue
             self.problems.pop(field, None)
-            samples.append((round(self.time, 6), round(value, 9) if isfinite(value) else None))
+            if field not in self.units:
+                self.units[field] = unit_at(message, field, self._slides)
+            samples.append((round(self.time, 9), value if isfinite(value) else None))
 
 
 class TopicRate(_Heard):

@@ -33,10 +33,10 @@ def number_at(message: Any, path: str) -> float:
         InputError: If the message has no number there.
     """
     value, names = message, list[str]()
-    for field, index in _parts(path):
-        names = _names_in(value) or names
+    for field, index in parts_of(path):
+        names = names_in(value) or names
         try:
-            value = getattr(value, field) if field else value[_position(index, names)]
+            value = getattr(value, field) if field else value[position_of(index, names)]
         except (AttributeError, IndexError, KeyError, TypeError, ValueError):
             raise InputError(f"the message has no field {path!r} now", value=path) from None
     if not _is_number(value):
@@ -45,17 +45,23 @@ def number_at(message: Any, path: str) -> float:
 
 
 @lru_cache(1000)
-def _parts(path: str) -> tuple[tuple[str, str], ...]:
+def parts_of(path: str) -> tuple[tuple[str, str], ...]:
+    """Return the parts of a path: each is a field's name, or the index or name of an element."""
     return tuple((match[1] or "", match[2] or "") for match in _PART.finditer(path))
 
 
-def _position(index: str, names: list[str]) -> int:
+def position_of(index: str, names: list[str]) -> int:
+    """Return where an element is.
+
+    Raises:
+        ValueError: If no element has this name.
+    """
     return int(index) if index.isdecimal() else names.index(index)
 
 
 def _rows(value: Any, path: str, names: list[str], most: int) -> Iterator[tuple[str, str, bool]]:
     if is_dataclass(value):
-        names = _names_in(value) or names
+        names = names_in(value) or names
         for name in field_names(value):
             yield from _rows(getattr(value, name), f"{path}.{name}" if path else name, names, most)
     elif isinstance(value, str):
@@ -74,7 +80,8 @@ def _text(value: Any) -> str:
     return f"{round(value, 9) + 0.0:.6g}" if isinstance(value, float) else str(value)
 
 
-def _names_in(value: Any) -> list[str]:
+def names_in(value: Any) -> list[str]:
+    """Return the names that a message gives the elements of its other fields."""
     for field in _NAMES:
         names = getattr(value, field, None)
         if isinstance(names, list) and all(isinstance(name, str) for name in names):

@@ -1,6 +1,7 @@
 """Parts of the page that other packages have added: one that fails is empty from then on, and the page continues."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay, OverlayKind
@@ -21,6 +22,24 @@ def make_panel(kind: PanelKind, twin: Twin) -> Panel:
 def make_overlay(kind: OverlayKind, scene: Scene, twin: Twin) -> Overlay:
     """Return an overlay for a twin; one of another package is guarded."""
     return _OthersOverlay(kind, scene, twin) if OVERLAY_KINDS.is_of_others(kind.name) else kind.type(scene, twin)
+
+
+def watch_panels(panels: Mapping[str, Panel], is_watched: bool) -> None:
+    """Tell the panels that want to know whether a browser is connected."""
+    for panel in panels.values():
+        getattr(panel, "watch", lambda _: None)(is_watched)
+
+
+def draw_panels(panels: Mapping[str, Panel], scene: Scene, time: float) -> None:
+    """Let the panels draw that have something in the scene, which shows a time (s)."""
+    for panel in panels.values():
+        getattr(panel, "draw", lambda *_: None)(scene, time)
+
+
+def close_panels(panels: Mapping[str, Panel]) -> None:
+    """Tell the panels that want to know it that the page ends."""
+    for panel in panels.values():
+        getattr(panel, "close", lambda: None)()
 
 
 class _OthersPanel:
@@ -44,6 +63,12 @@ class _OthersPanel:
 
     def watch(self, is_watched: bool) -> None:
         self._code.run(getattr(self._panel, "watch", lambda _: None), is_watched)
+
+    def draw(self, scene: Scene, time: float) -> None:
+        self._code.run(getattr(self._panel, "draw", lambda *_: None), scene, time)
+
+    def close(self) -> None:
+        self._code.run(getattr(self._panel, "close", lambda: None))
 
 
 class _OthersOverlay:

@@ -49,7 +49,9 @@ class OverlayKind:
 
 # The registered ones by name; those of other packages are found when they are asked for.
 OVERLAY_KINDS: PageRegistry[OverlayKind] = PageRegistry(
-    "overlay", "drake_twin.cockpit.overlays", ["tracks", "ghosts", "contact_forces", "centers_of_mass", "inertia"]
+    "overlay",
+    ["drake_twin.cockpit.overlays"],
+    ["tracks", "ghosts", "contact_forces", "centers_of_mass", "inertia"],
 )
 
 

@@ -12,7 +12,9 @@ from drake_twin.twin.twin import Twin
 class Panel(Protocol):
     """The Python half of a panel, made with the twin that the page shows. Data are plain: what JSON can hold.
 
-    If it has a method ``watch(is_watched)``, that is called when the first browser connects and when the last one goes.
+    If it has a method ``watch(is_watched)``, that is called when the first browser connects and when the last one goes;
+    ``draw(scene, time)``, with each picture that a browser is shown, and the time (s) that it shows; ``close()``, when
+    the page shows another twin or ends.
     """
 
     def __init__(self, twin: Twin): ...
@@ -47,7 +49,9 @@ class PanelKind:
 
 
 # The registered ones by name; those of other packages are found when they are asked for.
-PANEL_KINDS: PageRegistry[PanelKind] = PageRegistry("panel", "drake_twin.cockpit", ["world_panel"])
+PANEL_KINDS: PageRegistry[PanelKind] = PageRegistry(
+    "panel", ["drake_twin.cockpit", "drake_twin.playback"], ["world_panel"]
+)
 
 
 def panel(name: str, script: str | Path) -> Callable[[_T], _T]:

@@ -56,6 +56,27 @@ class Look(Request):
 
 
 @dataclass(frozen=True)
+class LookBy(Request):
+    """Pause, and look so many pictures later, or earlier if it is negative."""
+
+    count: int
+
+
+@dataclass(frozen=True)
+class Replay(Request):
+    """Play what was drawn again, from the moment that is looked at, or pause that."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class Loop(Request):
+    """Begin again where a replay, or a bag, ends, or no more."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
 class LookAtNow(Request):
     """Draw the present again."""
 
@@ -157,8 +178,23 @@ class ShowSensor(Request):
 
 
 @dataclass(frozen=True)
+class ColorSensor(Request):
+    """Color the points of a sensor by range, height or intensity, or with one color."""
+
+    sensor: str
+    by: str
+
+
+@dataclass(frozen=True)
 class LookAtEfforts(Request):
     """A tab shows efforts, for which the plant solves a step; repeated about once a second."""
+
+
+@dataclass(frozen=True)
+class LookAtRobots(Request):
+    """A tab shows the joints and controllers of these robots only; repeated about once a second."""
+
+    robots: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -92,6 +92,7 @@ class Scene:
         self._moved: Frame | None = None  # its poses are still to be written
         self._sender = FrameSender(TWIN)
         self._drawn: SharedScene | None = None
+        self._beside: dict[str, FrameSender] = {}
 
     def listen(self, listener: Callable[[list[Command]], None]) -> None:
         """Call a function with each list of commands from now on, in the thread that draws or writes."""
@@ -177,7 +178,7 @@ class Scene:
     def set_up(self, twin: Twin) -> None:
         """Place the camera to the front left of all robots."""
         center, reach = place_of_robots(twin)
-        self.set_camera_pose(center + reach * np.array([0.75, -0.65, 0.65]), center)
+        self.set_camera_pose(center + reach * np.array([0.75, -0.65, 0.4]), center)
 
     def draw(self, twin: Twin) -> None:
         """Draw a twin's present state; it may be another twin than in the last call, or have other robots."""
@@ -203,6 +204,25 @@ class Scene:
                 self._write()
         if has_shapes:
             self._write_later(self._write)
+
+    def show_beside(self, path: str, frame: Frame, opacity: float) -> None:
+        """Draw something else than the twin, such as another run's robots, with an opacity from 0 to 1.
+
+        Args:
+            path: The path below which it is drawn.
+            frame: What is drawn.
+            opacity: Its opacity.
+        """
+        is_new = path not in self._beside
+        sender = self._beside.setdefault(path, FrameSender(path))
+        self._send(list(sender.commands(frame)))
+        if is_new:
+            self.set_property(path, "modulated_opacity", opacity)
+
+    def delete_beside(self, path: str) -> None:
+        """Delete what `show_beside` draws at a path."""
+        if self._beside.pop(path, None) is not None:
+            self.delete(path)
 
     def _write(self) -> None:
         """Write the poses that are not written yet; only the newest are."""

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 from pydrake.math import RigidTransform
 
+from drake_twin.cockpit.color_map import Legend
 from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.cockpit.sensor_points import HEIGHT, RANGE, Measured, measured
 from drake_twin.errors import InputError
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.sensors.camera import R_SO
@@ -36,10 +38,8 @@ _VIEWS = {
 _MOST_A_SECOND = 15.0  # messages: as many as the page has snapshots
 _CLOUDS_A_SECOND = 5.0  # of a depth camera, whose clouds are large
 _WIDEST = 320  # pixels of a picture on the page
-_MOST_POINTS = 19_997  # of a cloud: a prime, so that those of a picture that are drawn do not lie in a few columns
 _MOST_POSES = 1000  # of a camera, whose message is awaited
 _SIZE = 0.035  # m, of a point
-_LOW, _MIDDLE, _HIGH = np.array([[0.16, 0.30, 0.85], [0.10, 0.70, 0.45], [0.95, 0.55, 0.10]])  # heights in a cloud
 _COLORS = ((0.91, 0.25, 0.20), (0.13, 0.47, 0.85), (0.95, 0.62, 0.10), (0.55, 0.25, 0.75), (0.10, 0.60, 0.45))
 _UNITS = {
     "angular_velocity": "rad/s",
@@ -51,6 +51,13 @@ _UNITS = {
     "angular": "rad/s",
     "magnetic_field": "T",
     "fluid_pressure": "Pa",
+    "temperature": "°C",
+    "latitude": "°",
+    "longitude": "°",
+    "altitude": "m",
+    "vertical_position": "m",
+    "vertical_velocity": "m/s",
+    "vertical_reference": "m",
 }
 
 
@@ -111,6 +118,18 @@ class SensorView:
             self._shown[key] = _Shown(self._twin, self._scene, self._send, key, robot, plan, len(self._shown))
             self._shown[key].listen(self._is_watched)
 
+    def color(self, key: str, by: str) -> None:
+        """Color the points of a sensor that is shown by something else.
+
+        Raises:
+            InputError: If the sensor is not shown, or its points cannot be colored so.
+        """
+        if key not in self._shown:
+            raise InputError(f"sensor {key!r} is not shown", value=key, valid=self._shown)
+        if by not in self._shown[key].choices:
+            raise InputError(f"the points of {key!r} have no {by!r}", value=by, valid=self._shown[key].choices)
+        self._shown[key].color(by)
+
     def show_all(self) -> None:
         """Show all sensors that can be shown."""
         for key, (_, plan) in self._plans.items():
@@ -130,8 +149,8 @@ class SensorView:
             self.show(key, False)
 
     def state(self) -> dict[str, Any]:
-        """Return key → the last numbers of each sensor that is shown: time (s) and groups of named values."""
-        return {key: item.numbers for key, item in self._shown.items()}
+        """Return key → of each sensor that is shown: its last numbers, and what its points are colored by."""
+        return {key: item.state() for key, item in self._shown.items()}
 
 
 class _Shown:
@@ -149,11 +168,20 @@ class _Shown:
     ):
         self._twin, self._scene, self._send = twin, scene, send
         self._key, self._robot, self._plan = key, robot, plan
+        self.colored_by = _usual_color(plan)
+        self.legend: Legend | None = None
+        self.choices: tuple[str, ...] = ()
+        self._met = (Measured(np.zeros((0, 3)), None), np.zeros((0, 3)))
         self._color = _COLORS[number % len(_COLORS)]
         self._path = f"{OVERLAYS}/measured/{key}"
         self._ends: list[Callable[[], None]] = []
         self._poses: deque[tuple[float, RigidTransform]] = deque(maxlen=_MOST_POSES)
-        self.numbers: dict[str, Any] | None = None
+        self.numbers: dict[str, Any] = {}
+
+    def state(self) -> dict[str, Any]:
+        """Return time (s) and groups of named values, if there are, and the legend of its points."""
+        legend = None if self.legend is None else self.legend.as_plain()
+        return {**self.numbers, "legend": legend, "choices": self.choices, "colored_by": self.colored_by}
 
     def listen(self, on: bool) -> None:
         for end in self._ends:
@@ -192,23 +220,34 @@ class _Shown:
         X_WS = self._poses[0][1] if self._poses else self._pose()
         if isinstance(self._plan.settings, CameraSettings) and self._plan.settings.plugin:
             X_WS = X_WS @ RigidTransform(R_SO, np.zeros(3))  # its points are in the optical frame
-        points = X_WS.multiply(points_of(message).T).T
+        met = measured(message)
+        points = X_WS.multiply(met.points.T).T
         if hasattr(message, "field_of_view"):
             eye = X_WS.translation()
             sides = [(eye, points[0]), *pairwise(points), (points[-1], eye)] if len(points) else []
             self._scene.set_lines(self._path, np.array(sides).reshape(-1, 3), self._color)
         else:
-            colors = height_colors(points) if hasattr(message, "point_step") else self._color
-            self._scene.set_points(self._path, points, colors, _SIZE)
+            self._met = (met, points)
+            self.choices = met.choices
+            self.color(self.colored_by)
+
+    def color(self, by: str) -> None:
+        """Color the points that were drawn last, and all further ones."""
+        self.colored_by, (met, points) = by, self._met
+        colors, self.legend = met.colors(by, points)
+        self._scene.set_points(self._path, points, self._color if colors is None else colors, _SIZE)
 
     def _picture(self, topic: str, message: Any) -> None:
-        head = {"key": self._key, "topic": topic, "width": 0, "height": 0}
-        picture = small_picture(pixels(message))
-        head["height"], head["width"] = picture.shape[:2]
-        self._send(topic, json.dumps(head).encode() + b"\n" + picture.tobytes())
+        self._send(topic, tile(self._key, topic, message))
 
     def _note(self, message: Any) -> None:
         self.numbers = {"time": round(self._twin.time, 6), "groups": list(groups_of(message))}
+
+
+def _usual_color(plan: SensorPlan) -> str:
+    """Return what points are colored by at first: the heights of several rows tell what they have met, ranges else."""
+    is_flat = not isinstance(plan.settings, CameraSettings) and getattr(plan.settings, "grid", None) is not None
+    return RANGE if is_flat and plan.settings.grid.rows == 1 else HEIGHT
 
 
 def _shown_topics(plan: SensorPlan) -> list[tuple[str, str]]:
@@ -228,60 +267,32 @@ def _shown_topics(plan: SensorPlan) -> list[tuple[str, str]]:
     return list(views.items())
 
 
-def points_of(message: Any) -> np.ndarray:
-    """Return the points of a message of rays in the sensor's frame (m), shape (n, 3).
+def tile(key: str, topic: str, message: Any) -> bytes:
+    """Return the picture of a sensor's message as browsers are sent it: a JSON line with what it is, and its bytes."""
+    picture, legend = small_picture(pixels(message))
+    height, width = picture.shape[:2]
+    head = {"key": key, "topic": topic, "width": width, "height": height}
+    head |= {"size": [message.width, message.height], "encoding": message.encoding}
+    head["legend"] = None if legend is None else legend.as_plain()
+    return json.dumps(head).encode() + b"\n" + picture.tobytes()
 
-    What met nothing is left out; of a large cloud the points are evenly thinned out.
+
+def small_picture(picture: np.ndarray) -> tuple[np.ndarray, Legend | None]:
+    """Return a picture as bytes, (height, width, 3), with fewer pixels, and the legend of depths.
+
+    Depths (m) have the colors of the map, the nearest are yellow; what has no depth is black.
     """
-    if hasattr(message, "ranges"):
-        ranges = np.asarray(message.ranges, dtype=float)
-        angles = message.angle_min + message.angle_increment * np.arange(len(ranges))
-        points = np.column_stack([ranges * np.cos(angles), ranges * np.sin(angles), np.zeros(len(ranges))])
-    elif hasattr(message, "field_of_view"):
-        angles = np.linspace(-0.5, 0.5, 15 if np.isfinite(message.range) else 0) * message.field_of_view
-        points = message.range * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-    elif hasattr(message, "point_step"):
-        offsets = {item.name: item.offset for item in message.fields}
-        layout = {"names": list("xyz"), "formats": ["<f4"] * 3, "offsets": [offsets[axis] for axis in "xyz"]}
-        kind: Any = np.dtype({**layout, "itemsize": message.point_step})  # type: ignore[call-overload]
-        data: Any = _some(np.frombuffer(np.ascontiguousarray(message.data, dtype=np.uint8), kind))
-        points = np.column_stack([data[axis] for axis in "xyz"]).astype(float)
-    else:
-        points = np.array([(point.x, point.y, point.z) for point in _some(message.points)], dtype=float).reshape(-1, 3)
-    return np.asarray(points[np.isfinite(points).all(axis=1)])
-
-
-def _some(items: Any) -> Any:
-    """Return not more items than are drawn, evenly chosen."""
-    count = len(items)
-    if count <= _MOST_POINTS:
-        return items
-    chosen = np.arange(_MOST_POINTS) * count // _MOST_POINTS
-    return items[chosen] if isinstance(items, np.ndarray) else [items[index] for index in chosen]
-
-
-def height_colors(points: np.ndarray) -> np.ndarray:
-    """Return a color for each point, shape (n, 3): blue for the lowest, green between, orange for the highest."""
-    heights = points[:, 2]
-    low, high = (heights.min(), heights.max()) if len(heights) else (0.0, 0.0)
-    share = ((heights - low) / max(high - low, 1e-9))[:, np.newaxis]
-    below, above = np.clip(2 * share, 0, 1), np.clip(2 * share - 1, 0, 1)
-    return np.asarray(_LOW + below * (_MIDDLE - _LOW) + above * (_HIGH - _MIDDLE))
-
-
-def small_picture(picture: np.ndarray) -> np.ndarray:
-    """Return a picture as bytes, (height, width, 3): fewer pixels, and depths (m) as shades, the nearest are bright."""
     every = -(-picture.shape[1] // _WIDEST)
-    picture = picture[::every, ::every]
+    small = picture[::every, ::every]
     if picture.ndim == 2 and picture.dtype.kind == "f":
-        known = picture[np.isfinite(picture)]
-        nearest, farthest = (known.min(), known.max()) if known.size else (0.0, 1.0)
-        share = (np.clip(picture, nearest, farthest) - nearest) / max(farthest - nearest, 1e-9)
-        picture = np.where(np.isfinite(picture), 255 - np.nan_to_num(235 * share), 0)
-    elif picture.dtype == np.uint16:
-        picture = picture >> 8
-    shades = picture.astype(np.uint8)
-    return np.ascontiguousarray(shades if shades.ndim == 3 else np.repeat(shades[:, :, np.newaxis], 3, axis=2))
+        legend = Legend.of(picture, "depth", "m", is_reversed=True)
+        if legend is None:
+            return np.zeros((*small.shape, 3), dtype=np.uint8), None
+        colors = np.where(np.isfinite(small)[..., np.newaxis], 255.0 * legend.colors(small), 0.0)
+        return np.round(colors).astype(np.uint8), legend
+    shades = (small >> 8 if picture.dtype == np.uint16 else small).astype(np.uint8)
+    rgb = shades if shades.ndim == 3 else np.repeat(shades[:, :, np.newaxis], 3, axis=2)
+    return np.ascontiguousarray(rgb), None
 
 
 def groups_of(message: Any, name: str = "") -> Iterator[dict[str, Any]]:
@@ -298,8 +309,9 @@ def groups_of(message: Any, name: str = "") -> Iterator[dict[str, Any]]:
             yield from groups_of(value, item.name)
         elif isinstance(value, int | float) and not isinstance(value, bool):
             own[item.name] = float(value)
-    if own:
-        yield _group(name or next(iter(own)), own)
+    for unit in dict.fromkeys(_UNITS.get(field, "") for field in own):
+        same = {field: value for field, value in own.items() if _UNITS.get(field, "") == unit}
+        yield _group(name or next(iter(same)), same)
 
 
 def _group(name: str, values: Mapping[str, float]) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """What the page shows of a twin, as plain data: its structure, and its present state."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import asdict
 from hashlib import sha1
 from typing import Any
@@ -25,7 +25,7 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
     """
     return {
         "display_only": only_displayed,
-        "layout": layout_key(twin),
+        "scenario": layout_key(twin),
         "overlays": [
             {"name": kind.name, "label": kind.label, "hint": kind.hint, "key": kind.key}
             for kind in OVERLAY_KINDS.values()
@@ -34,6 +34,7 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
         "robots": [
             {
                 "name": plan.name,
+                "kind": plan.description.name,
                 "joint_states": f"{plan.robot.topic_namespace}/joint_states",
                 "controllers": [
                     {"name": item.name, "type": item.type, "problem": item.problem} for item in plan.controllers
@@ -77,20 +78,30 @@ def layout_key(twin: Twin) -> str:
     return sha1(repr(robots).encode()).hexdigest()[:12]
 
 
-def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any], *, with_efforts: bool = True) -> dict[str, Any]:
+def state(
+    twin: Twin,
+    commands: JointCommands,
+    more: Mapping[str, Any],
+    looked_at: Container[str] | None = None,
+    *,
+    with_efforts: bool = True,
+) -> dict[str, Any]:
     """Return what changes with time.
 
     Args:
         twin: The twin.
         commands: Its sliders.
         more: More entries at the top level.
+        looked_at: The robots that a page shows; of others it is only told whether they are stopped. None for all.
         with_efforts: Whether to evaluate efforts, for which the plant solves the next step; else they are None.
     """
-    robots = {}
+    robots: dict[str, dict[str, Any]] = {}
     for plan in twin.built.plans:
+        robots[plan.name] = {"stopped": twin.control.is_stopped(plan.name)}
+        if looked_at is not None and plan.name not in looked_at:
+            continue
         at = twin.robot_state(plan.name, with_efforts=with_efforts)
-        robots[plan.name] = {
-            "stopped": twin.control.is_stopped(plan.name),
+        robots[plan.name] |= {
             "controllers": twin.control.manager(plan.name).states,
             "positions": _rounded(at.positions),
             "velocities": _rounded(at.velocities),
@@ -104,7 +115,11 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any], *, with_
         "rate": twin.clock.real_time_rate,
         "time_step": twin.scenario.time_step,
         "robots": robots,
-        "commands": {topic: _rounded(commands.values(topic)) for topic in commands.groups},
+        "commands": {
+            topic: _rounded(commands.values(topic))
+            for topic, group in commands.groups.items()
+            if looked_at is None or group.robot in looked_at
+        },
         **more,
     }
 

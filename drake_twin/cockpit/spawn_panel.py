@@ -11,6 +11,7 @@ from typing import Any
 
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import read_as
+from drake_twin.cockpit.robot_box import RobotBox
 from drake_twin.cockpit.robot_files import robot_files
 from drake_twin.cockpit.robot_picture import RobotPicture
 from drake_twin.cockpit.xacro_trial import XacroTrial
@@ -18,10 +19,12 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.robot_model import is_xacro_text, read_robot_file
 from drake_twin.description.xacro_file import xacro_arguments
-from drake_twin.diagram.footprint import height_on_ground
+from drake_twin.diagram.footprint import Footprint, footprint, height_on_ground
+from drake_twin.diagram.free_place import area_of, free_place, taken_areas
 from drake_twin.errors import InputError, TwinError
 from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.scenario import Robot
+from drake_twin.shared_viewer.shared_scene import scene_graph_of
 from drake_twin.twin.twin import Twin
 
 _PATIENCE = 60  # snapshots, about 4 s, for which a dialog is given data without asking again
@@ -50,6 +53,7 @@ class Spawn:
         xyz: Its position (m).
         rpy: Its orientation (rad).
         stands: Whether z is the height of the ground that it stands on.
+        beside: Whether it goes to the nearest free place beside what is there; x and y of the position are ignored.
         arguments: Its xacro arguments, as a JSON object of texts.
         controllers: A parameters file of its controllers; empty for the file's own.
     """
@@ -60,6 +64,7 @@ class Spawn:
     xyz: Vector3
     rpy: Vector3
     stands: bool
+    beside: bool
     arguments: str
     controllers: str
 
@@ -79,7 +84,22 @@ class Preview:
     arguments: str
 
 
-_REQUESTS = {kind.__name__: kind for kind in (Look, Spawn, Preview)}
+@dataclass(frozen=True)
+class Measure:
+    """Find how large a robot is, and a free place for it.
+
+    Attributes:
+        key: Names the request in its answer.
+        file: Its file.
+        arguments: Its xacro arguments, as a JSON object of texts.
+    """
+
+    key: str
+    file: str
+    arguments: str
+
+
+_REQUESTS = {kind.__name__: kind for kind in (Look, Spawn, Preview, Measure)}
 
 
 @panel("spawn", Path(__file__).with_name("static") / "spawn_panel.js")
@@ -96,13 +116,15 @@ class SpawnPanel:
         self._trial: tuple[XacroTrial | None, Spawn, Robot] | None = None
         self._outcome = {"key": "", "status": "", "message": ""}
         self._drawing: tuple[RobotPicture, str] | None = None
+        self._measuring: tuple[RobotBox, str] | None = None
+        self._box: dict[str, Any] | None = None
         self._pictures: deque[dict[str, str]] = deque()  # once for each snapshot that a picture is still sent with
 
     def state(self) -> dict[str, Any] | None:
         """Return the robots to choose from, the file's arguments, and the last spawn; None while nobody looks."""
         self._left = max(0, self._left - 1)
         if not self._left:
-            self._cancel_drawing()
+            self._cancel()
             return None
         here = dict.fromkeys(robot.model for robot in self._twin.scenario.robots)
         return {
@@ -110,6 +132,7 @@ class SpawnPanel:
             "files": self._files,
             "file": self._file,
             "arguments": self._arguments,
+            "box": self._box,
             "preview": self._pictures.popleft() if self._pictures else None,
             **self._outcome,
         }
@@ -117,7 +140,7 @@ class SpawnPanel:
     def watch(self, is_watched: bool) -> None:
         """Draw nothing while no browser is connected."""
         if not is_watched:
-            self._cancel_drawing()
+            self._cancel()
 
     def ask(self, data: Any) -> None:
         """Do what a tab asks; what is wrong with a spawn is part of the state.
@@ -139,6 +162,11 @@ class SpawnPanel:
                     self._drawing = RobotPicture(file, _texts(arguments), self._twin.scenario.package_paths), key
                 except InputError as error:
                     self._show(key, "", str(error))
+            case Measure(key, file, arguments):
+                self._left = _PATIENCE
+                self._cancel_measuring()
+                with contextlib.suppress(InputError):  # said when it is spawned
+                    self._measuring = RobotBox(file, _texts(arguments), self._twin.scenario.package_paths), key
             case _:
                 raise InputError(f"unknown request {data!r} of the spawn dialog")
 
@@ -156,6 +184,14 @@ class SpawnPanel:
             drawn, key = self._drawing
             self._drawing = None
             self._show(key, drawn.output.decode().strip(), drawn.problem or "")
+        if self._measuring is not None and self._measuring[0].is_done():
+            measured, key = self._measuring
+            self._measuring = None
+            self._box = {"key": key, "problem": measured.problem or ""}
+            if not measured.problem:
+                lower, upper = json.loads(measured.output)
+                place = self._free_place(Footprint(tuple(lower), tuple(upper)), 0.0)
+                self._box |= {"lower": lower, "upper": upper, "place": place}
         if self._trial is not None and (self._trial[0] is None or self._trial[0].is_done()):
             trial, request, robot = self._trial
             self._trial = None
@@ -163,6 +199,25 @@ class SpawnPanel:
 
     def _show(self, key: str, picture: str, problem: str) -> None:
         self._pictures.extend([{"key": key, "picture": picture, "problem": problem}] * _REPEATS)
+
+    def _free_place(self, box: Footprint, yaw: float) -> tuple[float, float]:
+        """Return the free place nearest to the last robot."""
+        twin = self._twin
+        scene_graph = scene_graph_of(twin)
+        query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(twin.context))
+        robots = [twin.robot_state(name, with_efforts=False).base_pose for name in twin.robots]
+        places = [(pose[0], pose[1]) for pose in robots] or [(0.0, 0.0)]
+        near = round(places[-1][0], 1), round(places[-1][1], 1)
+        return free_place(area_of(box, yaw), taken_areas(query, places), near)
+
+    def _cancel(self) -> None:
+        self._cancel_drawing()
+        self._cancel_measuring()
+
+    def _cancel_measuring(self) -> None:
+        if self._measuring is not None:
+            self._measuring[0].cancel()
+        self._measuring = None
 
     def _cancel_drawing(self) -> None:
         if self._drawing is not None:
@@ -204,10 +259,12 @@ class SpawnPanel:
         if trial is not None and trial.problem is not None:
             raise InputError(trial.problem)
         plan = None
-        if request.stands:
+        if request.stands or request.beside:
             plan = plan_robot(robot, self._packages())
             x, y, z = robot.xyz
-            robot = replace(robot, xyz=(x, y, z + height_on_ground(plan)))
+            if request.beside:
+                x, y = self._free_place(footprint(plan), robot.rpy[2])
+            robot = replace(robot, xyz=(x, y, z + (height_on_ground(plan) if request.stands else 0.0)))
             plan = replace(plan, robot=robot)
         self._twin.entities.spawn(robot, plan=plan)
         self._outcome = {"key": request.key, "status": "done", "message": ""}

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_twin.cockpit import protocol
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.errors import InputError
 from drake_twin.shared_viewer.frame_sender import Frame
@@ -20,6 +21,7 @@ _MOST_BYTES = 25_000_000  # of the poses and scenes, and as much again of the mo
 _GEOMETRY_BYTES = 430  # of each geometry of a scene: each spawn and each delete makes a new one
 _MOST_MARKS = 200  # that the page shows
 _EPSILON = 1e-9  # s
+_LONGEST_FRAME = 0.2  # s of wall time that one frame of a replay makes up for
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,9 @@ class Timeline:
     Args:
         twin: The twin.
         scene: The page's scene.
+
+    Attributes:
+        loop: Whether a replay begins again where it ends.
     """
 
     def __init__(self, twin: Twin, scene: Scene):
@@ -58,6 +63,9 @@ class Timeline:
         self._size = 0  # bytes of the pictures
         self._looked: _Picture | None = None
         self._present = 0  # the step at which the looking began
+        self._replayed: float | None = None  # the time of a replay (s)
+        self._last_frame = 0.0  # wall time (s)
+        self.loop = False
 
     def watch(self, is_watched: bool) -> None:
         """Begin or end to keep moments; those that are there stay."""
@@ -73,14 +81,35 @@ class Timeline:
         self.watch(False)
         self._rewind = None
 
-    def draw(self) -> bool:
-        """Draw the moment that is looked at; return False if that is the present, which is not drawn here."""
+    def draw(self, wall_time: float) -> float | None:
+        """Draw the moment that is looked at.
+
+        Args:
+            wall_time: Wall time (s), from any origin.
+
+        Returns:
+            Its time (s); None if that is the present, which is not drawn here.
+        """
         if self._looked is not None and (not self._twin.clock.paused or self._twin.clock.step_count != self._present):
             self.look_at_now()
+        if self._replayed is not None:
+            self._proceed(wall_time - self._last_frame)
+        self._last_frame = wall_time
         if self._looked is None:
-            return False
+            return None
         self._scene.show(self._looked.frame)
-        return True
+        return self._looked.time
+
+    def _proceed(self, seconds: float) -> None:
+        """Go on in a replay by some wall time (s)."""
+        assert self._replayed is not None
+        time = self._replayed + self._twin.clock.real_time_rate * min(seconds, _LONGEST_FRAME)
+        last = self._pictures[-1].time
+        if time >= last and not self.loop:
+            self.look(last)
+            return
+        self._show(self._pictures[0].time if time >= last else time)
+        self._replayed = self._pictures[0].time if time >= last else time
 
     def note(self, frame: Frame) -> None:
         """Keep what is drawn of the present."""
@@ -104,25 +133,75 @@ class Timeline:
             for picture in self._pictures:
                 note(picture.time, picture.frame)
 
+    def do(self, request: protocol.Request) -> None:
+        """Process a request about what is looked at.
+
+        Raises:
+            InputError: If nothing was drawn yet.
+        """
+        match request:
+            case protocol.Look(time):
+                self.look(time)
+            case protocol.LookBy(count):
+                self.look_by(count)
+            case protocol.Replay(on):
+                self.replay(on)
+            case protocol.Loop(on):
+                self.loop = on
+            case protocol.LookAtNow():
+                self.look_at_now()
+
     def look(self, time: float) -> None:
         """Pause, and draw the picture that is closest to a time (s) from now on.
 
         Raises:
             InputError: If nothing was drawn yet.
         """
+        self._replayed = None
         self._drop_future()
         if not self._pictures:
             raise InputError("nothing was drawn yet that could be looked at again")
+        self._twin.pause()
+        self._present = self._twin.clock.step_count
+        self._show(time)
+        self._scene.set_property(OVERLAYS, "visible", False)  # they show the present
+
+    def look_by(self, count: int) -> None:
+        """Pause, and look so many pictures after what is looked at, or before it.
+
+        Raises:
+            InputError: If nothing was drawn yet.
+        """
+        self.look(self._twin.time if self._looked is None else self._looked.time)
+        at = next(index for index, picture in enumerate(self._pictures) if picture is self._looked)
+        self._looked = self._pictures[min(max(0, at + count), len(self._pictures) - 1)]
+
+    def replay(self, on: bool) -> None:
+        """Pause, and draw what was drawn from the moment that is looked at on, at the twin's rate, or end that.
+
+        From the last picture, or the present, it begins at the first one.
+
+        Raises:
+            InputError: If nothing was drawn yet.
+        """
+        if not on:
+            self._replayed = None
+            return
+        if self._looked is None or self._looked is self._pictures[-1]:
+            self.look(0.0)
+        assert self._looked is not None
+        self._replayed = self._looked.time
+
+    def _show(self, time: float) -> None:
+        """Look at the picture that is closest to a time (s)."""
         times = [picture.time for picture in self._pictures]
         index = bisect_left(times, time)
         near = range(max(0, index - 1), min(len(times), index + 1))
-        self._twin.pause()
-        self._present = self._twin.clock.step_count
         self._looked = self._pictures[min(near, key=lambda item: abs(times[item] - time))]
-        self._scene.set_property(OVERLAYS, "visible", False)  # they show the present
 
     def look_at_now(self) -> None:
         """Draw the present again."""
+        self._replayed = None
         if self._looked is not None:
             self._looked = None
             self._scene.set_property(OVERLAYS, "visible", True)
@@ -157,6 +236,8 @@ class Timeline:
         return {
             "first": self._pictures[0].time,
             "looked": None if looked is None else looked.time,
+            "replaying": self._replayed is not None,
+            "loop": self.loop,
             "back_to": None if looked is None else self._moment_before(looked.time),
             "bytes": self._size + self._rewind.size,
             "marks": [_plain(mark) for mark in self._rewind.marks[-_MOST_MARKS:]],

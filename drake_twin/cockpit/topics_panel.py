@@ -120,6 +120,7 @@ class TopicsPanel:
             "echoes": {topic: self._echo(topic) for topic in {look.echo for look in looks if look.echo}},
             "batches": self._next_batches(),
             "problems": self._problems(),
+            "units": self._units(),
             "outcome": self._outcome,
             "frames": self._frames() if self._need_frames(looks) else None,
             "diagram": self._drawn.popleft() if self._drawn else None,
@@ -233,6 +234,15 @@ class TopicsPanel:
                     items.clear()
         return list(self._batches)
 
+    def _units(self) -> dict[str, str]:
+        """Return the units of the curves that have one, by their paths."""
+        return {
+            f"{topic}.{name}": unit
+            for topic, heard in self._heard.items()
+            for name, unit in heard.units.items()
+            if unit
+        }
+
     def _problems(self) -> dict[str, str]:
         """Return why curves have no samples, by their paths."""
         unknown = {
@@ -312,16 +322,7 @@ class TopicsPanel:
         for item in self._twin.graph.endpoints:
             if item.kind == PUBLISHED and item.type == _TRANSFORMS and (message := self._twin.latest(item.name)):
                 tree.add(message, is_static=item.latched)
-        return [
-            {
-                "frame": frame,
-                "parent": parent,
-                "xyz": [round(float(number), 4) for number in pose.translation],
-                "rpy": [round(float(number), 4) for number in pose.rotation.as_euler("xyz")],
-                "static": pose.time is None,
-            }
-            for frame, (parent, pose) in sorted(tree.parents.items())
-        ]
+        return tree.as_plain()
 
     def _draw(self) -> None:
         """Let Graphviz draw the diagram beside the simulation, one at a time."""

@@ -106,6 +106,7 @@ class WorldPanel:
         self._tree: tuple[Node, ...] = ()
         self._nodes: dict[str, Node] = {}
         self._looks: dict[Look, int] = {}  # → snapshots for which it holds
+        self._owes_tree = False  # to a tab that has asked since the last snapshot
         self._undo: deque[tuple[str, Snapshot]] = deque(maxlen=_MOST_EDITS)
 
     def state(self) -> dict[str, Any] | None:
@@ -113,8 +114,11 @@ class WorldPanel:
         self._looks = {look: left - 1 for look, left in self._looks.items() if left > 1}
         if not self._looks:
             return None
+        before = self._version
         self._read()
-        needs_tree = any(look.version != self._version for look in self._looks)
+        is_owed = self._owes_tree or self._version != before
+        needs_tree = is_owed and any(look.version != self._version for look in self._looks)
+        self._owes_tree = False
         nodes = [self._nodes[name] for name in dict.fromkeys(look.node for look in self._looks) if name in self._nodes]
         return {
             "version": self._version,
@@ -134,6 +138,7 @@ class WorldPanel:
             case Look():
                 self._looks = {look: left for look, left in self._looks.items() if look != request}
                 self._looks = dict([*self._looks.items(), (request, _PATIENCE)][-_MOST_SELECTED:])
+                self._owes_tree = True
             case Place(entity, xyz, rpy):
                 self._edit(f"move {entity}", lambda: self._twin.entities.place(entity, xyz, rpy))
             case Duplicate(entity):

@@ -55,6 +55,13 @@ class TransformTree:
         """The frames' names, sorted."""
         return sorted({*self.parents, *(parent for parent, _ in self.parents.values())})
 
+    def copy(self) -> "TransformTree":
+        """Return a copy."""
+        copied = TransformTree()
+        copied.parents.update(self.parents)
+        copied._ignored |= self._ignored
+        return copied
+
     def add(self, message: Any, *, is_static: bool) -> None:
         """Take the transforms of a ``TFMessage``; those that are not a pose are ignored with a warning."""
         for item in message.transforms:
@@ -94,6 +101,19 @@ class TransformTree:
         """
         *line, root = self._line(frame)
         return root, self._pose(line)
+
+    def as_plain(self) -> list[dict[str, Any]]:
+        """Return each frame with the one above it, its translation (m) and roll, pitch, yaw (rad) in that."""
+        return [
+            {
+                "frame": frame,
+                "parent": parent,
+                "xyz": [round(float(number), 4) for number in pose.translation],
+                "rpy": [round(float(number), 4) for number in pose.rotation.as_euler("xyz")],
+                "static": pose.time is None,
+            }
+            for frame, (parent, pose) in sorted(self.parents.items())
+        ]
 
     def _line(self, frame: str) -> list[str]:
         """Return a frame and those above it, up to the root."""

@@ -1,5 +1,6 @@
 """A rosbag2 bag, of this package or of others: MCAP or SQLite3."""
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from drake_twin.messages.interface_types import deserialize
 
 TRANSFORMS, JOINT_STATES, TEXT = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg/JointState", "std_msgs/msg/String"
 _DESCRIPTION = "robot_description"
+_FIRST_LOOK = 0.25  # s before a time in which its last message is looked for first
+_EPSILON = 1e-9  # s
 
 
 @dataclass(frozen=True)
@@ -72,11 +75,15 @@ class Bag:
             if self.descriptions.setdefault(message.topic, text) != text:
                 self.changed_descriptions.add(message.topic)
 
-    def messages(self, is_wanted: Callable[[str, str], bool]) -> Iterator[BagMessage]:
+    def messages(
+        self, is_wanted: Callable[[str, str], bool], since: float | None = None, until: float | None = None
+    ) -> Iterator[BagMessage]:
         """Yield messages in the order of their times.
 
         Args:
             is_wanted: Is called with a topic's name and type.
+            since: The time of the first messages (s since the bag's start); None for the start.
+            until: The time of the last messages (s since the bag's start); None for the end.
 
         Raises:
             InputError: If the bag is damaged.
@@ -84,7 +91,9 @@ class Bag:
         wanted = [item for item in self._reader.connections if is_wanted(item.topic, item.msgtype)]
         if not wanted:
             return
-        messages = self._reader.messages(wanted)
+        start = None if since is None else self.start + round(since * 1e9)
+        stop = None if until is None else self.start + round(until * 1e9) + 1
+        messages = self._reader.messages(wanted, start, stop)
         while True:
             with self._readable():
                 item = next(messages, None)
@@ -93,6 +102,20 @@ class Bag:
             connection, time, data = item
             read = partial(self._read, data, connection.msgtype)
             yield BagMessage((time - self.start) * 1e-9, connection.topic, connection.msgtype, read)
+
+    def last(self, topic: str, time: float) -> BagMessage | None:
+        """Return the last message of a topic that is not after a time (s since the bag's start); None before the first.
+
+        Raises:
+            InputError: If the bag is damaged.
+        """
+        within, end = _FIRST_LOOK, time + _EPSILON
+        while True:
+            began = end - within
+            found = deque(self.messages(lambda name, _: name == topic, began, end), maxlen=1)
+            if found or began <= 0:
+                return found[0] if found else None
+            within *= 8
 
     def close(self) -> None:
         """Close the bag."""

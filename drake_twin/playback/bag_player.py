@@ -1,29 +1,32 @@
-"""Poses the robots of a bag at each moment; the page steers its time."""
+"""A bag on the page, which steers its time."""
 
-import logging
-from collections.abc import Iterator, Sequence
-from math import isfinite
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import cached_property
 from typing import Any
 
 from drake_twin.cockpit import protocol
+from drake_twin.cockpit.panel import Panel
+from drake_twin.cockpit.scene import Scene
 from drake_twin.errors import InputError
-from drake_twin.messages.transform_tree import Transform
-from drake_twin.playback.bag import JOINT_STATES, Bag, BagMessage
-from drake_twin.playback.recorded_frames import RecordedFrames, RecordedRobot, is_frames
+from drake_twin.playback.bag import Bag
+from drake_twin.playback.bag_sensors import BagSensors
+from drake_twin.playback.bag_topics import BagTopics
+from drake_twin.playback.comparison import Comparison, OwnBag
+from drake_twin.playback.posed_bag import PosedBag
+from drake_twin.playback.recorded_frames import RecordedRobot
+from drake_twin.playback.series import slides_of
 from drake_twin.twin.twin import Twin
 
-_log = logging.getLogger(__name__)
 _STEP = 1 / 30  # s of a step on the page
 _OF_PHYSICS = ("massless_link", "inertia", "effort_limit", "joint_friction")  # repairs
+_LOG, _MOST_LOGS = "rcl_interfaces/msg/Log", 200
+_LEVELS = {30: "warning", 40: "error", 50: "error"}
 _LONGEST_FRAME = 0.2  # s of wall time that one frame makes up for: a slow page plays slower
 
 
-def is_shown(topic: str, kind: str) -> bool:
-    """Tell whether a topic moves the robots."""
-    return kind == JOINT_STATES or is_frames(topic, kind)
-
-
-class BagPlayer:
+class BagPlayer(PosedBag):
     """Plays a bag on a twin that has its robots and does not advance.
 
     Args:
@@ -32,30 +35,35 @@ class BagPlayer:
         robots: Its robots, as they are in the bag.
 
     Attributes:
-        time: The present moment (s since the bag's start).
-        paused: Whether time stands still.
         rate: Seconds of the bag per second of wall time.
+        comparison: What lays another bag over it.
+        panels: What its topics and its comparison are on the page.
         findings: What became of the robots' shapes and joints; their masses and contacts do not matter here.
-        unplaced: The robots that no transform has placed, each with the link that it would place.
     """
 
     def __init__(self, bag: Bag, twin: Twin, robots: Sequence[RecordedRobot]):
-        self._bag, self._twin, self._robots = bag, twin, tuple(robots)
-        self._plans = {plan.name: plan for plan in twin.built.plans}
-        self._said: set[str] = set()
+        super().__init__(bag, twin, robots)
         self.findings = tuple(item for item in twin.findings if item.rule and item.rule not in _OF_PHYSICS)
         self._stop_at: float | None = None
-        self.paused, self.rate = True, 1.0
-        self.unplaced: list[tuple[str, str]] = []
-        self.restart()
+        self.rate = 1.0
+        slides = slides_of(twin.built.plans)
+        self.comparison = Comparison(twin, OwnBag(bag))
+        topics = BagTopics(bag, slides, lambda: self.time, lambda: self._frames)
+        self.panels: dict[str, Panel] = {"topics": topics, "compare": self.comparison}
 
-    def restart(self) -> None:
-        """Go back to the bag's start."""
-        self.time = 0.0
-        self._messages: Iterator[BagMessage] = self._bag.messages(is_shown)
-        self._next: BagMessage | None = next(self._messages, None)
-        self._frames = RecordedFrames()
-        self._joints: dict[str, dict[str, dict[str, float]]] = {robot.name: {} for robot in self._robots}
+    @cached_property
+    def logs(self) -> tuple[tuple[str, str, float], ...]:
+        """The last messages of the bag's logs: kind, text and time (s)."""
+        lines: deque[tuple[str, str, float]] = deque(maxlen=_MOST_LOGS)
+        with suppress(InputError):  # of a damaged bag, which is said where it ends
+            for line in self._bag.messages(lambda topic, kind: kind == _LOG):
+                item = line.read()
+                lines.append((_LEVELS.get(item.level, "info"), f"{item.name}: {item.msg}", line.time))
+        return tuple(lines)
+
+    def sensors(self, scene: Scene, send: Callable[[str, bytes], None]) -> BagSensors:
+        """Return what the page shows of the bag's sensors; see `Player`."""
+        return BagSensors(self._bag, lambda: self.time, lambda frame: self._frames.in_top(frame), scene, send)
 
     def proceed(self, wall_time: float) -> None:
         """Play what a frame of wall time (s) shows."""
@@ -65,25 +73,9 @@ class BagPlayer:
         if self._stop_at is not None and target >= self._stop_at:
             target, self._stop_at, self.paused = self._stop_at, None, True
         self.advance_to(target)
-
-    def advance_to(self, time: float) -> None:
-        """Pose the robots as at a time (s) that is not before the present one; pause at the bag's end."""
-        try:
-            while self._next is not None and self._next.time <= time:
-                message, self._next = self._next, next(self._messages, None)
-                if message.type == JOINT_STATES:
-                    self._take(message.topic, message.read())
-                else:
-                    self._frames.add(message)
-        except InputError as error:
-            self._say(f"{error} The bag ends here, at {self.time:.3f} s")
-            self._next, time = None, self.time
-            self.paused = True
-        self._pose()
-        self.time = min(time, self._bag.duration)
-        if time >= self._bag.duration and not self.paused:
-            self.paused = True
-            self._say(f"the bag ends at {self._bag.duration:.3f} s")
+        if self.loop and self.paused and self.time >= self._bag.duration:
+            self.restart()
+            self.paused = False
 
     def do(self, request: protocol.Request) -> None:
         """Process a request of the page about time.
@@ -112,9 +104,11 @@ class BagPlayer:
                 self.advance_to(0.0)
             case protocol.Look(time):
                 self.paused = True
-                if time < self.time:
-                    self.restart()
-                self.advance_to(min(max(time, 0.0), self._bag.duration))
+                self.look(time)
+            case protocol.LookBy(count):
+                self.do(protocol.Look(self.time + count * _STEP))
+            case protocol.Loop(on):
+                self.loop = on
             case protocol.SetRate(rate):
                 if rate <= 0:
                     raise InputError(f"{rate:g} is not a speed: it is positive")
@@ -125,66 +119,9 @@ class BagPlayer:
     def amend(self, state: dict[str, Any]) -> None:
         """Put what the bag says into a state of the page: time, and the joints' velocities and efforts."""
         state.update(time=round(self.time, 9), paused=self.paused, rate=self.rate, steps=0)
-        state["duration"] = self._bag.duration
+        state.update(duration=self._bag.duration, loop=self.loop)
         for name, joints in self._joints.items():
             order = self._twin.robot_state(name).joints
             for field in ("velocities", "efforts"):
                 known = joints.get(field, {})
                 state["robots"][name][field] = [round(known.get(joint, 0.0), 6) for joint in order]
-
-    def _take(self, topic: str, message: Any) -> None:
-        """Take the joint states that concern a robot: those in its namespace, or of the only robot."""
-        namespace = topic.rpartition("/")[0]
-        robots = [robot for robot in self._robots if len(self._robots) == 1 or robot.namespace == namespace]
-        if not robots:  # such as one topic for all robots
-            robots = list(self._robots)
-        names, used = list(message.name), set()
-        for robot in robots:
-            joints = {joint.name for joint in self._plans[robot.name].description.movable_joints}
-            used |= joints
-            for field, values in (
-                ("positions", message.position),
-                ("velocities", message.velocity),
-                ("efforts", message.effort),
-            ):
-                own = {name: float(value) for name, value in zip(names, values, strict=False) if name in joints}
-                finite = {name: value for name, value in own.items() if isfinite(value)}
-                self._joints[robot.name].setdefault(field, {}).update(finite)
-        if others := [name for name in names if name not in used]:
-            self._say(f"{topic}: no robot of the bag has the joints {', '.join(sorted(others))}")
-
-    def _pose(self) -> None:
-        roots, self.unplaced = set(), []
-        for robot in self._robots:
-            plan = self._plans[robot.name]
-            if positions := self._joints[robot.name].get("positions"):
-                leading = {joint.name for joint in plan.description.movable_joints if joint.mimic is None}
-                known = {name: position for name, position in positions.items() if name in leading}
-                self._twin.entities.set_joint_positions(robot.name, known)
-            if plan.model.is_fixed:
-                continue
-            found = self._in_root(robot)
-            if found is None:
-                self.unplaced.append((robot.name, robot.root_link))
-            else:
-                root, pose = found
-                roots.add(root)
-                x, y, z, w = pose.rotation.as_quat()
-                self._twin.entities.set_state(robot.name, position=pose.translation, orientation=(w, x, y, z))
-        if len(roots) > 1:
-            self._say(
-                f"no transforms connect the frames {', '.join(sorted(roots))}: they are drawn as if they were one"
-            )
-
-    def _in_root(self, robot: RecordedRobot) -> tuple[str, Transform] | None:
-        try:
-            return self._frames.in_root(robot)
-        except InputError as error:
-            self._say(str(error))
-            return None
-
-    def _say(self, text: str) -> None:
-        """Log a text once."""
-        if text not in self._said:
-            self._said.add(text)
-            _log.warning("%s", text)

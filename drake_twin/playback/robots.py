@@ -51,7 +51,7 @@ def recorded_scenario(bag: Bag, package_paths: tuple[str, ...] = ()) -> tuple[Sc
             x, y, z = found[1].translation.tolist()
             roll, pitch, yaw = found[1].rotation.as_euler("xyz").tolist()
             xyz, rpy = (x, y, z), (roll, pitch, yaw)
-        robots.append(Robot(robot.name, str(file), xyz=xyz, rpy=rpy, active_controllers=()))
+        robots.append(Robot(robot.name, str(file), namespace=namespace or "/", xyz=xyz, rpy=rpy, active_controllers=()))
         recorded.append(robot)
     scenario = Scenario(robots=tuple(robots), world=World(ground=False), package_paths=package_paths)
     return scenario, tuple(recorded)

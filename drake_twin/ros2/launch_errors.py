@@ -57,6 +57,8 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
         refused = xacro_error(error, Path(file or ""))
         refused.message += f", called by {file}" + (f":{line}" if line is not None else "")
         return refused
+    if isinstance(error, RecursionError) and not frames:
+        return InputError("what the launch file holds nests too deep", file=file, line=line)
     if isinstance(error, SystemExit):
         return InputError(f"the launch file ends the program ({_exit(error)})", file=file, line=line)
     lines = ["Traceback (most recent call last):\n", *traceback.format_list(frames)]

@@ -15,7 +15,7 @@ from drake_twin.twin.twin import Twin
 WORLD = "world"  # the folder of fixed geometry
 
 _DEFAULT_COLOR = Rgba(0.9, 0.9, 0.9, 1.0)
-_GROUND_COLOR = Rgba(0.74, 0.77, 0.74, 1.0)
+_GROUND_COLOR = Rgba(0.8, 0.81, 0.82, 1.0)
 _BELOW_THE_GRID = 0.004  # m: viewers draw a grid at z = 0
 
 

@@ -24,14 +24,18 @@ from pydrake.geometry import (
 )
 
 from drake_twin.shared_viewer.drawn_mesh import MeshPart, read_mesh
-from drake_twin.shared_viewer.shared_scene import DrawnGeometry
+from drake_twin.shared_viewer.shared_scene import WORLD, DrawnGeometry
 
+_REPEAT = 1000
+_TEXTURE = {"wrap": [_REPEAT, _REPEAT], "repeat": [1, 1], "colorSpace": "srgb", "anisotropy": 4}
 _FLOAT32, _UINT32 = ("Float32Array", 0x17), ("Uint32Array", 0x16)
 _DOUBLE_SIDE = 2
-_REPEAT = 1000
 _HALF_SPACE_SIDE = 100.0  # m: as large as a viewer draws an infinite plane
 _HALF_SPACE_THICKNESS = 0.01  # m
-_ROUND = {"widthSegments": 32, "heightSegments": 16}
+_FLAT = 0.001  # m: the thickness of the box that an SDF plane is drawn as
+_UPWARD = 0.999  # the cosine of its slope
+_WIDE = 20.0  # m: what is so wide and flat in the world is its ground
+_ROUND = {"widthSegments": 48, "heightSegments": 24}
 # From the z axis of Drake's shapes to the y axis of three.js'.
 _Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
 
@@ -57,7 +61,9 @@ def three_js_object(geometry: DrawnGeometry, **material: Any) -> dict[str, Any]:
         parts = read_mesh(Path(source.path()), np.asarray(shape.scale3()).tolist())
         children = [writer.triangles(part, geometry.color, np.eye(4)) for part in parts]
     else:
-        more = {"userData": {"isGround": True}} if isinstance(shape, HalfSpace) else {}
+        more = (
+            {"userData": {"isGround": True, "isEndless": isinstance(shape, HalfSpace)}} if _is_ground(geometry) else {}
+        )
         children = [
             writer.mesh(*item, writer.material(geometry.color, **material)) | more for item in _primitives(shape)
         ]
@@ -103,6 +109,15 @@ def ghost_object(path: str, body: str, color: tuple[float, float, float]) -> dic
     document = _Writer(path).document([], np.eye(4))
     document["object"]["userData"] = {"copyOf": body, "color": list(color)}
     return document
+
+
+def _is_ground(geometry: DrawnGeometry) -> bool:
+    """Return whether a geometry is a plane without an end, or a wide one of a world that faces upward."""
+    shape = geometry.shape
+    if not isinstance(shape, Box) or not geometry.path.startswith(f"{WORLD}/"):
+        return isinstance(shape, HalfSpace)
+    is_flat = shape.height() <= _FLAT and min(shape.width(), shape.depth()) >= _WIDE
+    return is_flat and float(geometry.X_BG[2, 2]) > _UPWARD
 
 
 def _primitives(shape: Shape) -> list[tuple[dict[str, Any], np.ndarray]]:
@@ -198,7 +213,7 @@ class _Writer:
         """Return a document with one object of vertices without faces."""
         attributes = {"position": _array(vertices, _FLOAT32)}
         if isinstance(color, np.ndarray):
-            attributes["color"] = _array(color, _FLOAT32)
+            attributes["color"] = _array(_linear(color), _FLOAT32)
             color, material = (1.0, 1.0, 1.0), {**material, "vertexColors": True}
         geometry = {"type": "BufferGeometry", "data": {"attributes": attributes}}
         item = self.mesh(geometry, np.eye(4), self.material((*color, 1.0), **material))
@@ -209,7 +224,7 @@ class _Writer:
         if part.uv is not None:
             attributes["uv"] = _array(part.uv, _FLOAT32)
         if part.vertex_colors is not None:
-            attributes["color"] = _array(part.vertex_colors, _FLOAT32)
+            attributes["color"] = _array(_linear(part.vertex_colors), _FLOAT32)
         geometry = {
             "type": "BufferGeometry",
             "data": {"attributes": attributes, "index": _array(part.faces, _UINT32)},
@@ -218,7 +233,7 @@ class _Writer:
         if part.texture is not None:
             url = "data:image/png;base64," + base64.b64encode(part.texture).decode("ascii")
             image = self._add("images", {"url": url})
-            more["map"] = self._add("textures", {"image": image, "wrap": [_REPEAT, _REPEAT], "repeat": [1, 1]})
+            more["map"] = self._add("textures", _TEXTURE | {"image": image})
         return self.mesh(geometry, matrix, self.material(part.color or color, **more))
 
     def material(self, color: tuple[float, float, float, float], **more: Any) -> str:
@@ -253,6 +268,11 @@ class _Writer:
 
     def _uuid(self, kind: str, number: int) -> str:
         return str(uuid.uuid5(uuid.NAMESPACE_URL, f"{self._path}#{kind}{number}"))
+
+
+def _linear(colors: np.ndarray) -> np.ndarray:
+    """Return sRGB colors from 0 to 1 as linear ones, as three.js takes those of vertices."""
+    return np.asarray(np.where(colors <= 0.04045, colors / 12.92, ((np.maximum(colors, 0.0) + 0.055) / 1.055) ** 2.4))
 
 
 def _array(values: np.ndarray, kind: tuple[str, int]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from conftest import ARM
 
 from drake_twin.check import main as check
 from drake_twin.cli.plugins import load_plugins
+from drake_twin.cockpit.page_panel import PAGE_PANELS
 from drake_twin.errors import InputError
 from drake_twin.run import main as run
 
@@ -80,3 +81,32 @@ def test_a_plugin_that_cannot_be_imported_is_one_paragraph(folder, capsys, name,
     with pytest.raises(InputError) as raised:
         run([ARM, "--headless", "--duration", "0.01", "--plugin", name, "--debug"])
     assert raised.value.__cause__ is not None or "gone.py" in name
+
+
+PANEL = """
+from drake_twin.cockpit.page_panel import page_panel
+
+@page_panel({title!r})
+def fill(panel, twin):
+    panel.button("Press")
+"""
+
+
+def test_a_file_with_a_panel_is_imported_and_one_without_is_refused(folder, capsys, monkeypatch):
+    monkeypatch.setattr(PAGE_PANELS, "_kinds", PAGE_PANELS._kinds.new_child())
+    (folder / "mine.py").write_text(PANEL.format(title="My panel"))
+    (folder / "none.py").write_text("print('no panel')\n")
+    (folder / "long.py").write_text(PANEL.format(title="x" * 200))
+    (folder / "twice.py").write_text(PANEL.format(title="My panel"))
+    command = [ARM, "--headless", "--duration", "0.01", "--panel"]
+    assert run([*command, f"{folder}/mine.py"]) == 0
+    assert "My panel" in PAGE_PANELS
+    capsys.readouterr()
+    for name, why in (
+        ("none", f"--panel {folder}/none.py: it adds no panel to the page. A function with @page_panel('TITLE')"),
+        ("nowhere", f"--panel {folder}/nowhere.py: no such file"),
+        ("long", "cannot be a name on the page: a text of 1 to 100 characters is needed"),
+        ("twice", "panel of the page 'My panel' is registered by mine"),
+    ):
+        assert run([*command, f"{folder}/{name}.py"]) == 2
+        assert why in capsys.readouterr().err

@@ -20,5 +20,5 @@ def place_of(tab, point):
 
 def look_at(tab, *paths):
     """Let the camera show robots and models from its first angle, and stay there."""
-    assert tools(tab, f"fit({list(paths)}, [0.75, -0.65, 0.65])")
+    assert tools(tab, f"fit({list(paths)}, [0.75, -0.65, 0.4])")
     tools(tab, "isTouched = true")

@@ -427,3 +427,24 @@ def test_the_physics_step_is_changed_while_it_runs(page):
 def test_a_time_that_nobody_lives_to_see_is_no_place_to_run_to(page):
     page.ask(protocol.RunTo(1e308))
     assert page.messages[-1] == ("error", "1e+308 s is not a simulation time: 1e+09 s is the longest.")
+
+
+def test_of_robots_that_no_tab_shows_it_is_told_only_whether_they_are_stopped():
+    it = FakePage(rovers(3).build())
+    assert all("positions" in robot for robot in it.state["robots"].values())  # no tab has said what it shows
+    it.ask(protocol.LookAtRobots(("robot_2",)), protocol.EmergencyStop("robot_3"))
+    state = it.state
+    assert state["robots"]["robot_1"] == {"stopped": False}
+    assert state["robots"]["robot_3"] == {"stopped": True}
+    assert len(state["robots"]["robot_2"]["positions"]) == 4
+    assert list(state["commands"]) == ["/robot_2/forward_velocity_controller/commands"]
+    it.ask(protocol.LookAtRobots(("robot_1",)), client=2)
+    assert [name for name, robot in it.state["robots"].items() if "positions" in robot] == ["robot_1", "robot_2"]
+    for _ in range(200):
+        it.cockpit.process_requests()
+    assert not any("positions" in robot for robot in it.state["robots"].values())
+    assert protocol.parse('{"do": "LookAtRobots", "robots": ["robot_1", "robot_2"]}') == protocol.LookAtRobots(
+        ("robot_1", "robot_2")
+    )
+    assert protocol.parse('{"do": "LookAtRobots", "robots": "robot_1"}') is None
+    it.cockpit.close()

@@ -44,6 +44,11 @@ def test_the_page_breaks_none_of_its_rules(show, axe, tmp_path, scheme, size):
     for summary in tab.locator("#panel summary").all():
         summary.evaluate("element => { element.parentElement.open = true; }")
     tab.locator("#messages-toggle").click(force=True)
+    for name in ("lidar", "imu"):
+        it.cockpit.sensors.show(f"box_0/box/{name}", True)
+    open_tab(tab, "Sensors")
+    bar, plot = tab.locator(".color-bar:visible"), tab.locator("#sensors .plot canvas")
+    it.frames(lambda: bar.count() == 1 and plot.count() == 3)
     tab.evaluate(axe)
     names = tab.locator("[role=tab]:visible").all_inner_texts()
     assert len(names) == 6

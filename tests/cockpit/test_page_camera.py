@@ -73,7 +73,7 @@ def test_presets_look_from_where_they_say_and_fit_shows_the_selection(show, tmp_
         ("Top view", "4", (0, 0, 1)),
     ):
         tab.keyboard.press("1")
-        assert view()[0] == pytest.approx(np.array([0.75, -0.65, 0.65]) / np.linalg.norm([0.75, -0.65, 0.65]), abs=1e-6)
+        assert view()[0] == pytest.approx(np.array([0.75, -0.65, 0.4]) / np.linalg.norm([0.75, -0.65, 0.4]), abs=1e-6)
         tab.keyboard.press(key)
         assert view()[0] == pytest.approx(expected, abs=0.2)
         tab.keyboard.press("1")
@@ -86,8 +86,8 @@ def test_presets_look_from_where_they_say_and_fit_shows_the_selection(show, tmp_
     tab.get_by_role("button", name="Fit the selection").click()
     _, _, _, tx, ty, tz = tools(tab, "cameraPlace()")
     assert (tx, -tz, ty) == pytest.approx(it.twin.entities.state("crate").position, abs=0.01)
-    # Its upper face, with sides of 0.4 m, is seen with a quarter more around it; Meshcat's field of view is 75°.
-    distance = 0.2 + 1.25 * 0.2 / np.tan(np.deg2rad(75 / 2))
+    # Its upper face, with sides of 0.4 m, is seen with a quarter more around it; the field of view is 50°.
+    distance = 0.2 + 1.25 * 0.2 / np.tan(np.deg2rad(50 / 2))
     assert view()[1] == pytest.approx(distance, rel=0.02)
     assert view()[0] == pytest.approx((0, 0, 1), abs=0.05)  # as before
 

@@ -52,7 +52,7 @@ def saved(it, tab):
 
 def test_a_picture_is_what_the_scene_shows(page):
     it, tab = page
-    tab.get_by_role("button", name="Picture").click()
+    tab.get_by_role("button", name="Picture", exact=True).click()
     head, data = saved(it, tab)
     assert head.startswith("data:image/png")
     assert tab.evaluate("window.savedName") == "drake_twin.png"

@@ -102,7 +102,7 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     assert panel.bounding_box()["width"] == wide
     assert tab.locator("#overlays").is_hidden()
     open_tab(tab, "ROS")
-    find(tab, "what is drawn besides")  # unfolds it
+    find(tab, "what is drawn besides")  # chooses its tab, and unfolds it
     it.frames(lambda: tab.locator("#overlays").is_visible())
     edge.dblclick(force=True)
     assert panel.bounding_box()["width"] == before

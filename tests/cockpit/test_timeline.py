@@ -241,3 +241,49 @@ def test_robots_that_are_only_displayed_have_no_timeline():
     page.cockpit.publish()
     assert page.server.told["timeline"] is None
     page.cockpit.close()
+
+
+def test_a_replay_draws_at_the_rate_and_ends_with_the_last_picture(driving):
+    driving.run_to(2.0)
+    timeline = driving.page.cockpit._timeline
+    driving.twin.clock.real_time_rate = 2.0
+    driving.ask(protocol.Look(0.5))
+    timeline.draw(100.0)
+    timeline.do(protocol.Replay(True))
+    assert timeline.draw(100.1)
+    assert timeline._replayed == pytest.approx(0.7, abs=0.04)
+    for frame in range(2, 10):
+        timeline.draw(100 + frame / 10)
+    assert timeline._replayed is None
+    assert driving.told["looked"] == pytest.approx(2.0, abs=0.04)
+    assert driving.twin.time == pytest.approx(2.0)
+    assert not driving.told["replaying"]
+
+
+def test_a_loop_begins_again(driving):
+    driving.run_to(1.0)
+    timeline = driving.page.cockpit._timeline
+    driving.ask(protocol.Look(0.9), protocol.Loop(True))
+    timeline.draw(50.0)
+    timeline.do(protocol.Replay(True))
+    timeline.draw(50.19)
+    assert timeline._looked is timeline._pictures[0]
+    assert driving.told["replaying"]
+    assert driving.told["loop"]
+    driving.ask(protocol.Replay(False))
+    looked = timeline._looked
+    timeline.draw(60.0)
+    assert timeline._looked is looked
+
+
+def test_steps_go_from_picture_to_picture(driving):
+    driving.run_to(1.0)
+    timeline = driving.page.cockpit._timeline
+    driving.ask(protocol.LookBy(-3))
+    assert timeline._looked is timeline._pictures[-4]
+    driving.ask(protocol.LookBy(1))
+    assert timeline._looked is timeline._pictures[-3]
+    driving.ask(protocol.LookBy(-10_000))
+    assert timeline._looked is timeline._pictures[0]
+    driving.ask(protocol.LookBy(10_000))
+    assert timeline._looked is timeline._pictures[-1]

@@ -1,6 +1,10 @@
-"""Draws the picture of the page that the README shows: ``python tests/docs/draw_page.py diagrams/two_rovers.png``.
+"""Draws the picture of the page and the film that the README shows.
 
-Two rovers drive for 9 s; the camera follows one, a wheel's position is in a plot, and time stands still at the end.
+``python tests/docs/draw_page.py diagrams/two_rovers.png``: two rovers drive for 9 s; the camera follows one, a wheel's
+position is in a plot, and time stands still at the end.
+
+``python tests/docs/draw_page.py drake_twin/docs/rovers_and_arm.webp``: ten seconds of
+`diagrams/rovers_and_arm.yaml`, filmed as anyone can film it.
 """
 
 import io
@@ -15,11 +19,13 @@ from PIL import Image
 
 from drake_twin import Twin, show
 from drake_twin.description.package_index import share_folder
+from drake_twin.run import main
 from drake_twin.scenario.scenario_file import ScenarioFile
 
 SIZE = {"width": 1280, "height": 800}
 COLORS = 128  # the file is a third of what it is with all
 END = 8.9  # s of simulation
+FILM = ("--headless", "--duration", "10", "--record-size", "640x360", "--record-rate", "15")
 WHEEL = "robot_1_front_left_wheel_joint"
 
 
@@ -40,7 +46,9 @@ def draw(file: Path) -> None:
         _run(twin, lambda: robot.get_by_title(f"Plot {WHEEL}").count() == 1)
         robot.get_by_title(f"Plot {WHEEL}").click()
         states.click()
+        tab.get_by_role("tab", name="View").click()
         tab.get_by_label("Camera follows").select_option("robot_1")
+        tab.get_by_role("tab", name="Robots").click()
         tab.evaluate("for (const item of document.querySelectorAll('*')) item.scrollTop = 0")
         _run(twin, lambda: twin.time >= END)
         tab.locator("#play").click()
@@ -52,9 +60,16 @@ def draw(file: Path) -> None:
     shot.quantize(COLORS, dither=Image.Dither.NONE).save(file, optimize=True)
 
 
+def film(file: Path) -> None:
+    """Film two rovers and an arm."""
+    if main([str(share_folder("diagrams") / "rovers_and_arm.yaml"), *FILM, "--record", str(file)]):
+        raise SystemExit(1)
+
+
 def _run(twin: Twin, until: Callable[[], bool]) -> None:
     twin.run(each_frame=lambda: not until())
 
 
 if __name__ == "__main__":
-    draw(Path(sys.argv[1]))
+    for name in map(Path, sys.argv[1:]):
+        (film if name.suffix == ".webp" else draw)(name)

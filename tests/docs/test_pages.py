@@ -40,6 +40,8 @@ def test_the_controller_that_contributors_are_shown_has_forty_lines():
 DRAWN_BY = {
     "diagrams/two_rovers.png": "tests/docs/draw_page.py",
     "diagrams/two_rovers.svg": "drake_twin/diagram/picture.py",  # python -m drake_twin.run FILE --graphviz PICTURE
+    "drake_twin/docs/panels.png": "tests/docs/draw_panel.py",
+    "drake_twin/docs/rovers_and_arm.webp": "tests/docs/draw_page.py",
     "drake_twin/docs/benchmarks_robots.svg": "drake_twin/benchmarks/plots.py",  # python -m drake_twin.benchmarks
     "drake_twin/docs/benchmarks_precision.svg": "drake_twin/benchmarks/plots.py",
 }
@@ -63,7 +65,7 @@ def test_every_picture_is_drawn_by_a_program_of_the_repository():
 def test_most_pages_have_something_to_run():
     assert {page.stem for page in PAGES} >= {
         *("start", "launch_files", "own_robot", "control", "sensors", "worlds", "physics", "python", "drake"),
-        *("extending", "command_line", "page", "CONTRIBUTING", "README"),
+        *("extending", "command_line", "page", "panels", "CONTRIBUTING", "README"),
     }
 
 

@@ -225,7 +225,9 @@ def test_the_program(tmp_path, capsys):
     first, second = captured.out.splitlines()
     assert first == "bag: 2.000 s from 1700000000.000 s on; robots: cart"
     assert second.startswith("page: http://127.0.0.1:")
-    assert captured.err == "not shown: /chatter (std_msgs/msg/String, 1)\nwarning: the bag ends at 2.000 s\n"
+    said, ended = captured.err.splitlines()
+    assert said == "not in the scene, but under Sensors and ROS: /chatter (std_msgs/msg/String, 1)"
+    assert ended == "warning: the bag ends at 2.000 s"
     assert main([str(next(folder.glob("*.db3"))), "--no-browser", "--end", "--rate", "20"]) == 0
 
 
@@ -307,3 +309,30 @@ def test_a_message_that_is_damaged_ends_the_bag_there(tmp_path, played, caplog):
     (line,) = caplog.messages
     assert "the bag cannot be read" in line
     assert line.endswith("The bag ends here, at 1.000 s")
+
+
+def test_each_moment_is_the_same_by_whatever_way_it_is_reached(tmp_path, played):
+    def extended():
+        yield from cart_messages()
+        for index in range(21, 80):  # which goes on, in messages that tell a part only
+            seconds = index / 10
+            moved = ("odom", "base", (seconds, 0.0, 0.5), (0.0, 0.0, 0.0, 1.0), seconds)
+            yield "/tf", TRANSFORMS, seconds, transforms(moved)
+            if index % 7 == 0:
+                yield "/joint_states", STATES, seconds, joints(lift=seconds / 20)
+
+    folder = write(tmp_path / "bag", sorted(extended(), key=lambda item: item[2]))
+    player, twin = played(folder)
+    times = [0.0, 0.35, 1.0, 2.6, 4.0, 5.55, 7.9]
+
+    def at(time):
+        player.look(time)
+        return [*twin.entities.state("cart::mast").position, player.time]
+
+    straight = {time: at(time) for time in times}
+    assert len(player._moments) > 4
+    for time in (7.9, 0.0, 4.0, 0.35, 5.55, 2.6, 7.9, 1.0):
+        assert at(time) == straight[time]
+    other, _ = played(folder)
+    other.look(2.6)
+    assert other.time == 2.6

@@ -36,13 +36,18 @@ def build():
 def objects(twin, goal):
     """What a twin is and hands out, by how a user writes it."""
     names = ("alarm", "clock", "control", "entities", "graph", "inbox", "recorder")
+    page = show(twin)
+    panel = page.panel("mine")
     return {
         "twin": twin,
         "twin.control.manager(…)": twin.control.manager("arm"),
         "twin.graph.events[…]": twin.graph.events[ROSOUT],
         "twin.sensor(…)": twin.sensor("rover", "lidar"),
         "goal": goal,
-        "page": show(twin),
+        "page": page,
+        "panel": panel,
+        "control": panel.checkbox("on"),
+        "marker": panel.marker("here", (0, 0, 0)),
         "rewind": drake_twin.Rewind(twin),
         **{f"twin.{name}": getattr(twin, name) for name in names},
     }

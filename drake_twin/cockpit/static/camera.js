@@ -1,9 +1,11 @@
 // The camera: it fits what is selected, or all robots, also at the start; presets; names above robots.
 
 import { $, element } from "./dom.js";
+import { keep, kept } from "./kept.js";
 
+const KEEP = 2000; // ms between two looks at where the camera is
 const VIEWS = {
-  Angle: [0.75, -0.65, 0.65],
+  Angle: [0.75, -0.65, 0.4],
   Front: [1, 0, 0.15],
   Left: [0, 1, 0.15],
   Top: [0, 0, 1],
@@ -17,6 +19,9 @@ export class Camera {
     this.named = []; // those that are shown; null until they are written
     const button = (text, title, onclick) => element("button", { class: "small", text, title, "aria-label": title, onclick });
     const views = Object.keys(VIEWS).map((name, index) => button(name, `${name} view (${index + 1})`, () => this.view(name)));
+    // Where a person has moved the camera, it is there again when the page is opened.
+    window.addEventListener("pagehide", () => this.keepPlace());
+    setInterval(() => this.keepPlace(), KEEP);
     $("camera").append(button("Fit", "Fit the selection, or all robots (F)", () => this.fit()), ...views);
   }
 
@@ -28,6 +33,23 @@ export class Camera {
   get keys() {
     const views = Object.keys(VIEWS).map((name, index) => [`Digit${index + 1}`, () => this.view(name)]);
     return { KeyF: () => this.fit(), ...Object.fromEntries(views) };
+  }
+
+  keepPlace() {
+    if (!this.tools?.isTouched) return;
+    const camera = this.tools.cameraPlace();
+    if (camera.join() === this.placeKept) return;
+    this.placeKept = camera.join();
+    keep({ camera });
+  }
+
+  // Return the camera to where a person had it; whether somebody had.
+  goBack() {
+    const { camera } = kept();
+    if (!Array.isArray(camera) || camera.length !== 6 || !camera.every(Number.isFinite)) return false;
+    this.tools.placeCamera(camera);
+    this.isSettled = true;
+    return true;
   }
 
   // Returns whether there is anything to fit.
@@ -62,6 +84,7 @@ export class Camera {
   state({ followed }) {
     this.writeNames();
     if (this.isSettled) return;
+    if (this.tools && this.goBack()) return;
     // Meshes are loaded one by one, robots come and drive away, the pane changes its size: fit again, until somebody moves
     // the camera.
     const drawn = this.tools?.measure(this.names);

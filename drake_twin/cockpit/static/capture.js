@@ -1,16 +1,11 @@
 // Pictures and videos of the scene, as the browser draws it, and distances between two points that are clicked in it.
 
 import { $, element, setText } from "./dom.js";
+import { save } from "./plot_export.js";
 
 const FRAMES = 30; // of a video, per second
 const PART = 500; // ms of a video that are handed over at once: what is recorded is not held in the encoder
 const KINDS = ["video/webm;codecs=vp9", "video/webm", "video/mp4"];
-
-function save(blob, name) {
-  const link = element("a", { href: URL.createObjectURL(blob), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-}
 
 export class Capture {
   constructor() {

@@ -5,6 +5,7 @@ import { $, element } from "./dom.js";
 const KEYS = [
   ["Space", "Play or pause"],
   ["N", "Step"],
+  ["Shift N", "One picture of the last minute, or a step of a bag, back"],
   ["R", "Reset"],
   ["W A S D, arrows", "Drive the robot whose pad drives by keys; Q and E sideways"],
   ["F", "Fit the selection, or all robots, into the picture"],

@@ -1,69 +1,87 @@
-// The shape of the page: how wide the side panel is, its tab, and which of its groups are folded. A browser keeps them.
+// The shape of the page: the side panel's width, side and tab, which of its groups are folded. A browser keeps them (kept.js).
 
 import { $, element } from "./dom.js";
+import { isNew, keep, kept } from "./kept.js";
 import { OTHERS, Tabs } from "./tabs.js";
 
-const STORED = "drake_twin.layout";
 const USUAL = 372; // px
 const ENDS = [300, 1200]; // px; the scene keeps some room, too (page.css)
+const FILTERS = ["robots-filter", "messages-search"];
 const STEP = 20; // px that a key moves the edge
-
-function stored() {
-  try {
-    return JSON.parse(localStorage.getItem(STORED)) ?? {};
-  } catch {
-    return {}; // another program's, or none may be kept
-  }
-}
-
-function store(change) {
-  try {
-    localStorage.setItem(STORED, JSON.stringify({ ...stored(), ...change }));
-  } catch {
-    // it is as wide as it was at the next visit
-  }
-}
 
 export class Layout {
   // `onchoose` is called when another tab is shown.
   constructor(onchoose) {
     this.edge = element("div", { class: "edge", role: "separator", tabindex: 0, "aria-orientation": "vertical", "aria-label": "Width of the controls", title: "Drag, or press the left and right arrow; double click for the usual width" });
     $("panel").before(this.edge);
-    this.setWidth(Number(stored().width) || USUAL);
     this.edge.addEventListener("pointerdown", (event) => {
       this.edge.setPointerCapture(event.pointerId);
       document.body.classList.add("resizing"); // so that the scene's frame does not take the pointer
     });
     this.edge.addEventListener("pointermove", (event) => {
-      if (this.edge.hasPointerCapture(event.pointerId)) this.setWidth(innerWidth - event.clientX);
+      if (this.edge.hasPointerCapture(event.pointerId)) this.setWidth(this.isLeft ? event.clientX : innerWidth - event.clientX);
     });
     this.edge.addEventListener("lostpointercapture", () => {
       document.body.classList.remove("resizing");
-      store({ width: this.width });
+      keep({ width: this.width });
     });
     this.edge.addEventListener("dblclick", () => this.resize(USUAL));
     this.edge.addEventListener("keydown", (event) => {
-      const widths = { ArrowLeft: this.width + STEP, ArrowRight: this.width - STEP, Home: USUAL };
+      const step = this.isLeft ? -STEP : STEP;
+      const widths = { ArrowLeft: this.width + step, ArrowRight: this.width - step, Home: USUAL };
       if (!(event.key in widths)) return;
       event.preventDefault();
       event.stopPropagation();
       this.resize(widths[event.key]);
     });
     this.tabs = new Tabs((tab) => {
-      store({ tab });
+      keep({ tab });
       onchoose();
     });
-    this.tabs.choose(stored().tab);
+    this.folds = [];
+    $("panel-side").addEventListener("click", () => {
+      this.setSide(this.isLeft ? "right" : "left");
+      keep({ side: this.isLeft ? "left" : "right" });
+    });
+    for (const id of FILTERS) $(id)?.addEventListener("input", ({ target }) => keep({ [id]: target.value }));
     $("panel").addEventListener("reveal", ({ target }) => this.show(target));
     for (const group of $("panel").querySelectorAll(".group")) this.addFold(group);
+    this.restore();
+  }
+
+  // Show what was kept, once it is known which scenario the page shows.
+  structure({ scenario }) {
+    if (isNew(scenario)) this.restore();
+    this.tabs.tidy();
+  }
+
+  restore() {
+    const { width, side, tab, ...more } = kept();
+    this.setWidth(Number(width) || USUAL);
+    this.setSide(side);
+    this.tabs.choose(tab);
+    for (const fold of this.folds) fold();
+    for (const id of FILTERS) {
+      if (typeof more[id] !== "string" || !$(id)) continue;
+      $(id).value = more[id];
+      $(id).dispatchEvent(new Event("input"));
+    }
+  }
+
+  get isLeft() {
+    return document.body.classList.contains("panel-left");
+  }
+
+  setSide(side) {
+    document.body.classList.toggle("panel-left", side === "left");
   }
 
   // Take up a panel's section. Other packages' panels are what a page is opened for, unless another tab was chosen.
   add(section) {
     this.tabs.add(section);
-    this.tabs.tidy();
     this.addFold(section);
-    if (section.dataset.tab === (stored().tab ?? OTHERS)) this.tabs.choose(section.dataset.tab);
+    if (section.dataset.tab === (kept().tab ?? OTHERS)) this.tabs.choose(section.dataset.tab);
+    this.tabs.tidy();
   }
 
   // Bring what is in the side panel into view, whatever tab or group it is in.
@@ -78,7 +96,7 @@ export class Layout {
 
   resize(width) {
     this.setWidth(width);
-    store({ width: this.width });
+    keep({ width: this.width });
   }
 
   setWidth(width) {
@@ -101,12 +119,14 @@ export class Layout {
       button.setAttribute("aria-expanded", String(!isFolded));
     };
     heading.replaceChildren(button);
-    fold((stored().folded ?? []).includes(name));
+    const restore = () => fold((kept().folded ?? []).includes(name));
+    this.folds.push(restore);
+    restore();
     button.addEventListener("click", () => {
       const isFolded = !group.classList.contains("folded");
       fold(isFolded);
-      const others = (stored().folded ?? []).filter((each) => each !== name);
-      store({ folded: isFolded ? [...others, name] : others });
+      const others = (kept().folded ?? []).filter((each) => each !== name);
+      keep({ folded: isFolded ? [...others, name] : others });
     });
   }
 }

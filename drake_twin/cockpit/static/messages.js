@@ -1,6 +1,7 @@
 // One line with the latest message; pressing it lists all messages, which can be searched, filtered and copied.
 
 import { $, element, setText } from "./dom.js";
+import { cursor } from "./time_cursor.js";
 
 const ALL = "all kinds";
 const timeOf = (line) => (line.time === null ? "start" : `${line.time.toFixed(2)} s`);
@@ -18,6 +19,7 @@ export class Messages {
     $("messages-search").addEventListener("input", () => this.list());
     $("messages-level").addEventListener("change", () => this.list());
     $("messages-copy").addEventListener("click", () => this.copy());
+    cursor.follow(() => this.showTime());
   }
 
   get listed() {
@@ -44,18 +46,34 @@ export class Messages {
   }
 
   list() {
+    if ($("messages").hidden) return;
     $("messages").replaceChildren(
       ...this.listed.map((line) =>
         element(
           "li",
           {},
           element("span", { class: "level", "data-level": line.level, text: line.level }),
-          element("span", { class: "muted", text: timeOf(line) }),
+          line.time === null
+            ? element("span", { class: "muted", text: timeOf(line) })
+            : element("button", { class: "small quiet moment", text: timeOf(line), title: "Show this moment", onclick: () => cursor.seek(line.time, true) }),
           element("span", { text: textOf(line) }),
         ),
       ),
     );
     $("messages").scrollTop = $("messages").scrollHeight;
+    this.until = undefined;
+    this.showTime();
+  }
+
+  // Mark the messages that came after the moment that is shown.
+  showTime() {
+    if ($("messages").hidden) return;
+    const listed = this.listed;
+    const until = cursor.shown === null ? listed.length : listed.filter(({ time }) => time === null || time <= cursor.shown + 1e-9).length;
+    if (until === this.until) return;
+    this.until = until;
+    listed.forEach(({ time }, index) => $("messages").children[index]?.classList.toggle("later", cursor.shown !== null && time !== null && time > cursor.shown + 1e-9));
+    if (cursor.shown !== null) [...$("messages").children].findLast((row) => !row.matches(".later"))?.scrollIntoView({ block: "nearest" });
   }
 
   async copy() {

@@ -39,7 +39,7 @@ const moreViews = new MoreViews();
 const help = new Help(() => show.described());
 const layout = new Layout(() => panels.look());
 const panels = new Panels(ask, (section) => layout.add(section));
-const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks)]);
+const palette = new Palette((asks) => [...show.commands(), ...panels.commands(asks), ...timeline.commands()], robots);
 const sensors = new Sensors(ask);
 const timeline = new Timeline(ask);
 let names = [];
@@ -52,7 +52,7 @@ connection = new Connection({
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, moreViews]) part.structure(structure);
-      layout.tabs.tidy();
+      layout.structure(structure);
     },
     state(state) {
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, palette]) part.state(state);
@@ -144,6 +144,10 @@ function onKey(event, down) {
   const shortcuts = { ...show.keys, ...SHORTCUTS };
   const isOfView = event.code === "KeyP" || event.code in camera.keys || event.code in show.keys;
   if (document.body.classList.contains("display-only") && !isOfView) return;
+  if (event.code === "KeyN" && event.shiftKey) {
+    timeline.stepBy(-1);
+    return;
+  }
   if (event.code in shortcuts) {
     event.preventDefault();
     shortcuts[event.code]();

@@ -8,9 +8,10 @@ const OPERABLE = "button, summary, select, input:not([type=hidden])";
 const HERE = ".bar, #panel, #plots, footer"; // where they are looked for
 
 export class Palette {
-  // `more` returns further commands, { text, about, run }, and asks for others if it is given true.
-  constructor(more) {
-    this.more = more;
+  // `more` returns further commands, { text, about, run }, and asks for others if it is given true; `robots` has what can be
+  // operated of robots that are not in the page.
+  constructor(more, robots) {
+    Object.assign(this, { more, robots });
     this.input = element("input", {
       type: "text", role: "combobox", spellcheck: "false", autocomplete: "off", placeholder: "Find a button, a robot, a joint, a topic…",
       "aria-label": "Find", "aria-expanded": "true", "aria-controls": "found", "aria-autocomplete": "list",
@@ -22,12 +23,15 @@ export class Palette {
     this.input.addEventListener("input", () => this.find());
     this.input.addEventListener("keydown", (event) => this.key(event));
     this.dialog.addEventListener("click", ({ target }) => target === this.dialog && this.dialog.close());
+    this.dialog.addEventListener("close", () => this.robots.forgetApart());
     $("find-button").addEventListener("click", () => this.open());
   }
 
   open() {
     if (document.querySelector("dialog[open]")) return;
-    this.offered = [...document.querySelectorAll(OPERABLE)].filter(isOffered).map(commandOf);
+    this.offered = [...document.querySelectorAll(OPERABLE)].filter(isOffered).map((node) => commandOf(node));
+    const isUsable = ({ node }) => !node.disabled && !node.closest("[hidden]");
+    this.offered.push(...this.robots.apart().filter(isUsable).map(({ node, robot, open }) => commandOf(node, robot, open)));
     this.input.value = "";
     this.others = this.more(true);
     this.dialog.showModal();
@@ -105,12 +109,12 @@ function nameOf(node) {
 }
 
 // A command of what can be operated: it is unfolded and shown; buttons and switches are pressed, all else gets the focus.
-function commandOf(node) {
-  const robot = node.closest("[data-robot]")?.dataset.robot ?? "";
+// One that is not in the page is put there by `open`.
+function commandOf(node, robot = node.closest("[data-robot]")?.dataset.robot ?? "", open = () => {}) {
   const group = node.closest(".group")?.dataset.tab ?? "";
   const name = nameOf(node);
   const state = node.type === "checkbox" ? (node.checked ? "on" : "off") : node.localName === "summary" ? "open" : "";
-  return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), run: () => operate(node) };
+  return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), run: () => (open(), operate(node)) };
 }
 
 function operate(node) {

@@ -1,4 +1,5 @@
-// Panels, the page's own and those of other packages: each is a script whose default export is a class, made with `ask(data)`.
+// Panels, the page's own and those of other packages: each is a script whose default export is a class, made with `ask(data)`
+// and with a function that lets the headings of further sections fold them.
 
 import { element } from "./dom.js";
 
@@ -25,7 +26,7 @@ export class Panels {
   async add(name) {
     this.panels.set(name, null); // while its script is loading
     const { default: Panel } = await import(`./files/panel_${name}.js`);
-    const panel = new Panel((data) => this.ask("AskPanel", { panel: name, data: JSON.stringify(data) }));
+    const panel = new Panel((data) => this.ask("AskPanel", { panel: name, data: JSON.stringify(data) }), this.onadd);
     this.panels.set(name, panel);
     if (!panel.node) return; // a dialog
     // The page's own panels have a place.

@@ -2,11 +2,14 @@
 // It is drawn at most once per animation frame, and only while it can be seen.
 
 import { element, formatted, oncePerFrame, setText } from "./dom.js";
+import { csvOf, pictureOf } from "./plot_export.js";
+import { cursor } from "./time_cursor.js";
 
 const { uPlot } = window; // uplot.js, its authors' build, which is a script and no module
 const KEPT = 3000; // samples of a curve
 const COLORS = 8; // --line-1 to --line-8; further lines are gray
 const CLOSER = 0.5;
+const CLICK = 3; // px that the mouse may move between press and release of a click
 
 const lineName = (index) => (index < COLORS ? `--line-${index + 1}` : "--muted");
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
@@ -32,6 +35,17 @@ function shown(value) {
   return value !== 0 && (Math.abs(value) >= 1e6 || Math.abs(value) < 1e-4) ? value.toExponential(3) : formatted(value, 1e-4);
 }
 
+// The index of the last of ascending times that is not after a time; 0 if all are.
+function lastUntil(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time + 1e-9) low = middle + 1;
+    else high = middle;
+  }
+  return Math.max(0, low - 1);
+}
+
 export class Plot {
   // `onremove(name)`, if there is one, gives each curve of the legend a button that removes it.
   constructor({ label, name, unit = "", height = 110, onremove }) {
@@ -51,6 +65,8 @@ export class Plot {
       this.chart,
       this.legend,
     );
+    this.shownLine = element("i", { class: "time-line" });
+    this.hoveredLine = element("i", { class: "time-line hovered" });
     this.draw = oncePerFrame(() => this.drawNow());
     new ResizeObserver(() => this.draw()).observe(this.chart);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.uplot?.redraw());
@@ -61,16 +77,20 @@ export class Plot {
     names.forEach((name, index) => this.extend(name, [time], [values[index]]));
   }
 
-  addCurve(name, label = name) {
+  // Add a curve; one that is `like` another one has its color and is dashed.
+  addCurve(name, label = name, like = null) {
     if (this.curves.has(name)) return;
-    const place = [...Array(this.curves.size + 1).keys()].find((index) => ![...this.curves.values()].some((curve) => curve.place === index));
-    const curve = { times: [], values: [], place, hidden: false, value: element("output", { "aria-live": "off" }) };
+    const taken = [...this.curves.values()].filter((curve) => !curve.like).map((curve) => curve.place);
+    const place = this.curves.get(like)?.place ?? [...Array(taken.length + 1).keys()].find((index) => !taken.includes(index));
+    const curve = { label, like, unit: "", times: [], values: [], place, hidden: false, value: element("output", { "aria-live": "off" }) };
+    curve.about = element("span", { class: "unit" });
     const toggle = element(
       "button",
       { class: "small quiet", "aria-pressed": "true", title: `Show or hide ${label}` },
-      element("span", { class: "dash" }),
+      element("span", { class: like ? "dash like" : "dash" }),
       element("span", { class: "curve", text: label }),
       curve.value,
+      curve.about,
     );
     toggle.style.setProperty("--color", `var(${lineName(place)})`);
     toggle.addEventListener("click", () => {
@@ -79,7 +99,7 @@ export class Plot {
       this.rebuild();
     });
     curve.node = element("li", {}, toggle);
-    if (this.onremove) {
+    if (this.onremove && !like) {
       curve.node.append(
         element("button", { class: "small quiet", text: "×", "aria-label": `Remove ${label}`, title: "Remove", onclick: () => this.onremove(name) }),
       );
@@ -90,9 +110,26 @@ export class Plot {
   }
 
   removeCurve(name) {
-    this.curves.get(name)?.node.remove();
-    this.curves.delete(name);
+    for (const [other, { like, node }] of this.curves) {
+      if (other !== name && like !== name) continue;
+      node.remove();
+      this.curves.delete(other);
+    }
     this.rebuild();
+  }
+
+  setUnit(name, unit) {
+    const curve = this.curves.get(name);
+    if (!curve || curve.unit === unit) return;
+    curve.unit = unit;
+    setText(curve.about, unit);
+    this.rebuild(); // for the axis
+  }
+
+  // Replace all samples of a curve.
+  set(name, times, values) {
+    Object.assign(this.curves.get(name), { times, values });
+    this.draw();
   }
 
   // Add samples to a curve; those after a time to which the twin has returned are taken away.
@@ -143,6 +180,24 @@ export class Plot {
     return times.length ? [Math.min(...times), Math.max(...times)] : [0, 1];
   }
 
+  // The unit that all visible curves have; empty if they differ.
+  get commonUnit() {
+    const units = new Set([...this.curves.values()].filter((curve) => !curve.hidden).map((curve) => curve.unit));
+    return units.size === 1 ? [...units][0] : "";
+  }
+
+  // All that is kept, as CSV.
+  csv() {
+    return csvOf([...this.curves.values()]);
+  }
+
+  // A canvas with what is drawn and the legend; null while nothing is.
+  picture() {
+    if (!this.uplot) return null;
+    const legend = this.visible.map(({ label, unit, place, like }) => ({ text: unit ? `${label}, ${unit}` : label, color: color(lineName(place)), dashed: Boolean(like) }));
+    return pictureOf(this.uplot.ctx.canvas, legend, { background: color("--raised"), text: color("--text") });
+  }
+
   rebuild() {
     this.uplot?.destroy();
     this.uplot = null;
@@ -159,23 +214,57 @@ export class Plot {
         legend: { show: false },
         padding: [8, 12, 0, 0],
         cursor: {
-          sync: { key: "time" },
+          sync: { key: "time", scales: ["x", null] },
           drag: { x: true, y: false, setScale: false },
           points: { size: 6 },
           bind: { dblclick: () => null },
         },
         scales: { x: { time: false, range: (_, first, last) => [first ?? 0, last > first ? last : (first ?? 0) + 1] }, y: { range: (_, lowest, highest) => around(lowest ?? 0, highest ?? 1) } },
-        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }), axis({ size: (_, ticks) => 18 + 7 * Math.max(3, ...(ticks ?? []).map((tick) => String(tick).length)) })],
-        series: [{}, ...visible.map(({ place }) => ({ stroke: () => color(lineName(place)), width: 1.5, points: { show: false } }))],
+        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }), axis({ ...(this.commonUnit && { label: this.commonUnit, labelSize: 16, labelGap: 0, labelFont: "11px system-ui, sans-serif" }), size: (_, ticks) => 18 + 7 * Math.max(3, ...(ticks ?? []).map((tick) => String(tick).length)) })],
+        series: [{}, ...visible.map(({ place, like }) => ({ stroke: () => color(lineName(place)), width: 1.5, dash: like ? [5, 3] : undefined, points: { show: false } }))],
         hooks: {
           setCursor: [() => this.showValues()],
           setSelect: [(plot) => this.select(plot)],
+          setScale: [() => this.placeLines()],
         },
       },
       this.data(),
       this.chart,
     );
-    this.uplot.over.addEventListener("dblclick", () => this.fit());
+    const { over } = this.uplot;
+    over.append(this.shownLine, this.hoveredLine);
+    over.addEventListener("dblclick", () => this.fit());
+    over.addEventListener("mousemove", ({ offsetX }) => cursor.hover(this.timeAt(offsetX), this));
+    over.addEventListener("mouseleave", () => cursor.hover(null, this));
+    let pressed = 0;
+    over.addEventListener("mousedown", ({ clientX }) => (pressed = clientX));
+    over.addEventListener("click", ({ clientX, offsetX, detail }) => {
+      if (detail < 2 && Math.abs(clientX - pressed) < CLICK) cursor.seek(this.timeAt(offsetX));
+    });
+    cursor.follow(() => this.followTime(over));
+  }
+
+  timeAt(left) {
+    return this.uplot.posToVal(left, "x");
+  }
+
+  // Show the page's time; false once this drawing is gone, so that it hears no more.
+  followTime(over) {
+    if (this.uplot?.over !== over || !over.isConnected) return false;
+    this.placeLines();
+    this.showValues();
+    return true;
+  }
+
+  placeLines() {
+    if (!this.uplot) return; // it is being made
+    const { min, max } = this.uplot.scales.x;
+    const place = (line, time) => {
+      line.hidden = time === null || !(time >= min && time <= max);
+      if (!line.hidden) line.style.left = `${this.uplot.valToPos(time, "x")}px`;
+    };
+    place(this.shownLine, cursor.shown);
+    place(this.hoveredLine, cursor.hoverer instanceof Plot ? null : cursor.hovered); // else uPlot draws it
   }
 
   data() {
@@ -191,15 +280,11 @@ export class Plot {
     this.draw();
   }
 
-  // The values at the cursor, or else the last ones.
+  // The values at the mouse, or else at the moment that is shown, or the last ones.
   showValues() {
     const at = this.uplot?.cursor.idx;
-    for (const curve of this.curves.values()) {
-      const time = at == null ? null : this.uplot.data[0][at];
-      let index = curve.times.length - 1;
-      while (time !== null && index > 0 && curve.times[index] > time) index -= 1;
-      setText(curve.value, shown(curve.values[index]));
-    }
+    const time = at == null ? (cursor.hovered ?? cursor.shown) : this.uplot.data[0][at];
+    for (const { times, values, value } of this.curves.values()) setText(value, shown(values[time === null ? times.length - 1 : lastUntil(times, time)]));
   }
 
   drawNow() {
@@ -209,6 +294,7 @@ export class Plot {
     else if (this.uplot.width !== width) this.uplot.setSize({ width, height: this.height });
     this.uplot.setData(this.data());
     if (this.zoom) this.uplot.setScale("x", { min: this.zoom[0], max: this.zoom[1] });
+    this.placeLines();
     this.showValues();
   }
 }

@@ -2,6 +2,7 @@
 
 import { $, element, setText } from "./dom.js";
 import { Plot } from "./plot.js";
+import { save } from "./plot_export.js";
 
 const STORED = "drake_twin plots ";
 const MOST_CURVES = 40;
@@ -27,6 +28,9 @@ function store(key, layout) {
   }
 }
 
+// What the curves of a plot show, without those that are laid beside them.
+const pathsOf = (plot) => [...plot.curves].filter(([, { like }]) => !like).map(([path]) => path);
+
 class Figure {
   constructor(plots) {
     this.plot = new Plot({ label: "", name: "Plot", height: 150, onremove: (path) => plots.remove(this, path) });
@@ -43,6 +47,8 @@ class Figure {
       button("+", "Zoom in", () => this.plot.closer()),
       button("−", "Zoom out", () => this.plot.farther()),
       button("Fit", "Show all times", () => this.plot.fit()),
+      button("CSV", "Save the numbers as a table (CSV)", () => save(new Blob([this.plot.csv()], { type: "text/csv" }), "plot.csv")),
+      button("PNG", "Save a picture of the plot (PNG)", () => this.plot.picture()?.toBlob((blob) => save(blob, "plot.png"))),
       button("×", "Close the plot", () => plots.close(this)),
     );
     this.plot.node.prepend(tools);
@@ -56,6 +62,8 @@ class Plots {
     this.chosen = null;
     this.key = null;
     this.onask = () => {};
+    this.onchange = () => {}; // of what is compared
+    this.beside = ""; // the name of what is compared
     this.number = 0; // of the last batch
     this.grid = element("div", { class: "plot-grid" });
     this.note = element("span", { class: "muted", role: "status" });
@@ -72,16 +80,22 @@ class Plots {
   }
 
   get paths() {
-    return [...new Set(this.figures.flatMap(({ plot }) => [...plot.curves.keys()]))];
+    return [...new Set(this.figures.flatMap(({ plot }) => pathsOf(plot)))];
+  }
+
+  // The curves of a bag that are not there yet; they come whole.
+  get missing() {
+    return this.paths.filter((path) => this.figures.some(({ plot }) => plot.curves.has(path) && !plot.curves.get(path).isWhole));
   }
 
   // Plot a number in the chosen plot.
   add(path) {
-    if (document.body.matches(".display-only, .playback")) return;
+    if (document.body.matches(".display-only")) return;
     const figure = this.chosen ?? this.open();
     figure.plot.addCurve(path);
     this.keep();
     this.onask();
+    this.onchange();
     figure.node.scrollIntoView({ block: "nearest" });
   }
 
@@ -130,15 +144,59 @@ class Plots {
 
   keep() {
     $("plots").hidden = this.figures.length === 0;
-    if (this.key !== null) store(this.key, this.figures.map(({ plot }) => [...plot.curves.keys()]));
+    if (this.key !== null) store(this.key, this.figures.map(({ plot }) => pathsOf(plot)));
+  }
+
+  // Take whole curves of a bag.
+  takeWhole(curves) {
+    for (const [path, { times, values, unit }] of Object.entries(curves)) {
+      for (const { plot } of this.figures) {
+        const curve = plot.curves.get(path);
+        if (!curve || curve.isWhole) continue;
+        curve.isWhole = true;
+        plot.setUnit(path, unit);
+        plot.set(path, times, values);
+      }
+    }
+  }
+
+  // Lay the curves of something beside those that are there, from now on; "" takes them away.
+  layBeside(name) {
+    for (const { plot } of this.figures) {
+      for (const [path, { like }] of plot.curves) if (like) plot.removeCurve(path);
+      for (const curve of plot.curves.values()) curve.hasBeside = false;
+    }
+    this.beside = name;
+  }
+
+  // The topics and fields of the curves that have none beside them yet.
+  missingBeside() {
+    const missing = this.figures.flatMap(({ plot }) => pathsOf(plot).filter((path) => !plot.curves.get(path).hasBeside));
+    return [...new Set(missing)].map(partsOf);
+  }
+
+  takeBeside(curves) {
+    for (const [path, { times, values, unit }] of Object.entries(curves)) {
+      for (const { plot } of this.figures) {
+        const curve = plot.curves.get(path);
+        if (!curve || curve.hasBeside) continue;
+        curve.hasBeside = true;
+        if (times.length === 0) continue;
+        const name = `${this.beside}: ${path}`;
+        plot.addCurve(name, name, path);
+        plot.setUnit(name, unit);
+        plot.set(name, times, values);
+      }
+    }
   }
 
   // Take batches of samples; those that came before are known by their numbers.
-  take(batches, problems) {
+  take(batches, problems, units) {
     const fresh = batches.filter(({ number }) => number > this.number || number + batches.length < this.number);
     this.number = fresh.at(-1)?.number ?? this.number;
     for (const { plot, problems: node } of this.figures) {
-      const paths = [...plot.curves.keys()];
+      const paths = pathsOf(plot);
+      for (const path of paths) if (path in units) plot.setUnit(path, units[path]);
       for (const { samples } of fresh) {
         for (const path of paths) {
           if (path in samples) plot.extend(path, samples[path].map(([time]) => time), samples[path].map(([, value]) => value));

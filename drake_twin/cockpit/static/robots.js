@@ -8,6 +8,7 @@ import { Poses } from "./poses.js";
 const STATES = ["position", "velocity", "effort"]; // fields of a JointState
 
 const FEW = 3; // robots: more are folded, and have a filter
+const MANY = 20; // robots: of more, only the rows near the ones in view are in the page
 const LOOK = 1000; // ms between two requests for efforts
 
 function shortName(joint, robot) {
@@ -16,9 +17,7 @@ function shortName(joint, robot) {
 
 class RobotFolder {
   constructor(robot, { ask, teleop, displayOnly }) {
-    this.ask = ask;
-    this.name = robot.name;
-    this.teleop = teleop;
+    Object.assign(this, { ask, teleop, displayOnly, robot, name: robot.name, kind: robot.kind });
     this.pill = element("span", { class: "pill", hidden: true, text: "stopped" });
     this.stop = element("button", { class: "danger small", text: "Stop", "data-stops": robot.name, "aria-label": `Emergency stop of ${robot.name}` });
     this.stop.addEventListener("click", () => {
@@ -26,19 +25,61 @@ class RobotFolder {
     });
     const remove = element("button", { class: "small quiet", text: "Delete", "aria-label": `Delete ${robot.name}` });
     remove.addEventListener("click", () => ask("Delete", { robot: robot.name }));
+    this.node = element("div", { class: "robot", "data-robot": robot.name });
     const summary = element("summary", {}, element("span", { class: "name", text: robot.name }), this.pill);
-    this.details = element("details", { open: true }, summary);
+    this.details = element("details", {}, summary);
+    this.details.addEventListener("toggle", () => (this.details.open ? this.fill() : this.body?.remove()));
     // Beside the summary, not in it: a button in a button cannot be reached by all who need it.
-    const buttons = element("div", { class: "robot-buttons" }, ...(displayOnly ? [] : [this.stop]), remove);
-    this.node = element("div", { class: "robot", "data-robot": robot.name }, this.details, buttons);
-    if (displayOnly) this.addPoses(robot);
+    this.buttons = element("div", { class: "robot-buttons" }, ...(displayOnly ? [] : [this.stop]), remove);
+    this.body = null;
+  }
+
+  // Have the row in the page, or only its place; what is open stays.
+  lay(isNear) {
+    if (isNear && !this.details.parentElement) this.node.append(this.details, this.buttons);
+    else if (!isNear && !this.details.open) this.node.replaceChildren();
+  }
+
+  open() {
+    this.lay(true);
+    this.fill();
+    this.details.open = true;
+  }
+
+  // Have the body in the page.
+  fill() {
+    this.make();
+    this.isForFind = false;
+    if (!this.body.parentElement) this.details.append(this.body);
+  }
+
+  make() {
+    if (this.body) return;
+    this.body = element("div", { class: "robot-body" });
+    const { robot } = this;
+    if (this.displayOnly) this.addPoses(robot);
     else {
       this.addCommands(robot);
       this.addDrives(robot);
       this.addControllers(robot);
     }
     this.addJoints(robot);
-    if (!displayOnly) this.addPlots(robot);
+    if (!this.displayOnly) this.addPlots(robot);
+  }
+
+  // What is not in the page, made for Find: what can be operated in it.
+  get apart() {
+    this.isForFind ||= !this.body;
+    this.make();
+    return [this.details, this.buttons, this.body].filter((part) => !part.isConnected && !(part === this.body && part.parentElement));
+  }
+
+  // Forget a body that only Find has seen.
+  forget() {
+    if (!this.isForFind) return;
+    this.teleop.forget(this.name);
+    const none = { body: null, poses: null, groups: null, drives: null, switches: null, joints: null, plots: null, plotted: null };
+    Object.assign(this, none, { isForFind: false });
   }
 
   addPoses(robot) {
@@ -50,7 +91,7 @@ class RobotFolder {
         name: `${robot.name} ${joint.joint} position`,
         onmove: (position) => this.ask("PoseJoint", { robot: robot.name, joint: joint.joint, position }),
       });
-      this.details.append(slider.node);
+      this.body.append(slider.node);
       return { slider, index };
     });
   }
@@ -82,7 +123,7 @@ class RobotFolder {
       );
       const button = this.switchTo(group.controller, "Move");
       const poses = new Poses(robot, group, this.ask);
-      this.details.append(element("div", { class: "commands" }, heading, button, ...sliders.map((slider) => slider.node), poses.node));
+      this.body.append(element("div", { class: "commands" }, heading, button, ...sliders.map((slider) => slider.node), poses.node));
       return { ...group, sliders, button, poses };
     });
   }
@@ -92,7 +133,7 @@ class RobotFolder {
       const pad = this.teleop.pad(robot.name, drive.topic);
       const button = this.switchTo(drive.controller, "Drive");
       pad.node.firstChild.after(button);
-      this.details.append(pad.node);
+      this.body.append(pad.node);
       return { ...drive, pad, button };
     });
   }
@@ -110,7 +151,7 @@ class RobotFolder {
       this.switches[name] = { show, state: element("span", { class: "muted" }) };
       list.append(element("div", { class: "controller" }, node, this.switches[name].state));
     }
-    this.details.append(list);
+    this.body.append(list);
   }
 
   addJoints(robot) {
@@ -125,7 +166,7 @@ class RobotFolder {
     });
     if (robot.joints.length === 0) return;
     this.joints = element("details", { class: "joints" }, element("summary", { text: "Joint states" }), element("table", {}, element("thead", {}, head), body));
-    this.details.append(this.joints);
+    this.body.append(this.joints);
   }
 
   // A button that plots a joint's position, velocity or effort below the scene.
@@ -145,11 +186,11 @@ class RobotFolder {
     this.jointNames = robot.joints.map((joint) => shortName(joint.joint, robot.name));
     const figures = Object.values(this.plots).map((plot) => plot.node);
     this.plotted = element("details", { class: "plots" }, element("summary", { text: "Plots" }), ...figures);
-    this.details.append(this.plotted);
+    this.body.append(this.plotted);
   }
 
   plot(time, state) {
-    const open = this.details.open && this.plotted?.open;
+    const open = this.details.open && this.plotted?.open && state.positions;
     for (const [what, plot] of Object.entries(this.plots ?? {})) {
       if (!open) plot.clear();
       else if (state[what]) plot.add(time, state[what], this.jointNames);
@@ -163,11 +204,12 @@ class RobotFolder {
 
   state(state, commands) {
     this.stopped = state.stopped;
+    if (!this.details.isConnected) return;
     this.pill.hidden = !state.stopped;
     setText(this.stop, state.stopped ? "Release" : "Stop");
     this.stop.setAttribute("aria-label", `${state.stopped ? "Clear emergency stop" : "Emergency stop"} of ${this.name}`);
     this.node.classList.toggle("stopped", state.stopped);
-    if (!this.details.open) return;
+    if (!this.details.open || !this.body || !state.positions) return; // the twin has yet to hear of who looks
     for (const pose of this.poses ?? []) pose?.slider.show(state.positions[pose.index]);
     for (const { topic, controller, sliders, poses } of this.groups ?? []) {
       const active = state.controllers[controller] === "active" && !state.stopped;
@@ -200,7 +242,7 @@ export class Robots {
   constructor(ask, teleop) {
     this.ask = ask;
     this.teleop = teleop;
-    this.detailss = new Map();
+    this.folders = new Map(); // robot → its folder, and what that was made of
     this.asked = -Infinity; // when efforts were asked for
     $("robots-filter").addEventListener("input", () => this.filter());
     $("robots-filter").addEventListener("keydown", (event) => {
@@ -210,49 +252,112 @@ export class Robots {
     });
   }
 
-  // Show the robots whose names have what is in the filter.
+  layRow(node, isNear) {
+    if (node.contains(document.activeElement)) return;
+    this.folders.get(node.dataset.robot)?.folder.lay(isNear || this.folders.size <= MANY);
+  }
+
+  // Show the robots whose names, or whose kind, have what is in the filter.
   filter() {
     const wanted = $("robots-filter").value.trim().toLowerCase();
-    for (const [name, { folder }] of this.detailss) folder.node.hidden = !name.toLowerCase().includes(wanted);
+    for (const { folder } of this.folders.values()) {
+      folder.node.hidden = !`${folder.name} ${folder.kind}`.toLowerCase().includes(wanted);
+    }
+    for (const group of $("robots").querySelectorAll(".kind")) {
+      group.hidden = !group.querySelector(".robot:not([hidden])");
+      if (wanted && !group.hidden) group.open = true;
+    }
   }
 
   openFirst() {
-    const first = [...$("robots").children].find((node) => !node.hidden)?.querySelector("details");
+    const first = $("robots").querySelector(".robot:not([hidden])");
     if (!first) return;
-    first.open = true;
-    first.querySelector("summary").focus();
+    const { folder } = this.folders.get(first.dataset.robot);
+    folder.open();
+    folder.details.querySelector("summary").focus();
+  }
+
+  // Rows far away have no elements but their places.
+  watch() {
+    const lay = (entries) => entries.forEach(({ target, isIntersecting }) => this.layRow(target, isIntersecting));
+    this.near ??= new IntersectionObserver(lay, { root: $("robots").closest(".page"), rootMargin: "400px" });
   }
 
   structure({ robots, display_only: displayOnly }) {
-    for (const [name, { folder, text }] of this.detailss) {
+    this.watch();
+    for (const [name, { folder, text }] of this.folders) {
       const robot = robots.find((each) => each.name === name);
       if (robot && JSON.stringify(robot) === text) continue;
+      this.near.unobserve(folder.node);
       folder.node.remove();
       this.teleop.forget(name);
-      this.detailss.delete(name);
+      this.folders.delete(name);
     }
     for (const robot of robots) {
-      if (!this.detailss.has(robot.name)) {
-        const folder = new RobotFolder(robot, { ask: this.ask, teleop: this.teleop, displayOnly });
-        if (robots.length > FEW) folder.details.open = false;
-        this.detailss.set(robot.name, { folder, text: JSON.stringify(robot) });
-      }
-      $("robots").append(this.detailss.get(robot.name).folder.node);
+      if (this.folders.has(robot.name)) continue;
+      const folder = new RobotFolder(robot, { ask: this.ask, teleop: this.teleop, displayOnly });
+      this.folders.set(robot.name, { folder, text: JSON.stringify(robot) });
+      if (robots.length <= FEW) folder.open();
+      else folder.lay(robots.length <= MANY);
+      this.near.observe(folder.node);
     }
+    this.group(robots);
     const filter = $("robots-filter");
     filter.hidden = robots.length <= FEW;
     if (filter.hidden) filter.value = "";
     this.filter();
   }
 
+  // Place the folders; many robots of several kinds are in groups that fold.
+  group(robots) {
+    const kinds = [...new Set(robots.map(({ kind }) => kind))];
+    const nodesOf = (kind) => robots.filter((robot) => robot.kind === kind).map(({ name }) => this.folders.get(name).folder.node);
+    const key = JSON.stringify(robots.map(({ name, kind }) => [name, kind]));
+    if (key === this.key) return;
+    this.key = key;
+    if (robots.length <= FEW || kinds.length < 2) {
+      $("robots").replaceChildren(...robots.map(({ name }) => this.folders.get(name).folder.node));
+      return;
+    }
+    const closed = [...$("robots").querySelectorAll(".kind:not([open])")].map((group) => group.dataset.kind);
+    const groups = kinds.map((kind) => {
+      const nodes = nodesOf(kind);
+      const summary = element("summary", {}, kind, element("span", { class: "muted", text: ` ${nodes.length}` }));
+      return element("details", { class: "kind", "data-kind": kind, open: !closed.includes(kind) }, summary, ...nodes);
+    });
+    $("robots").replaceChildren(...groups);
+  }
+
+  // What can be operated of robots that are folded or far away, for Find: { node, robot, open } each.
+  apart() {
+    return [...this.folders.values()].flatMap(({ folder }) => {
+      const open = () => folder.open();
+      return folder.apart.flatMap((part) => [...part.querySelectorAll("button, summary, select, input")].map((node) => ({ node, robot: folder.name, open })));
+    });
+  }
+
+  forgetApart() {
+    for (const { folder } of this.folders.values()) folder.forget();
+  }
+
+  // Tell the twin whose joints and controllers are shown: it tells of no others.
+  look(robots) {
+    const key = robots.join();
+    if (key === this.looked && performance.now() - this.lookedAt < LOOK) return;
+    Object.assign(this, { looked: key, lookedAt: performance.now() });
+    this.ask("LookAtRobots", { robots });
+  }
+
   state(state) {
-    const folders = [...this.detailss.values()].map(({ folder }) => folder);
+    const folders = [...this.folders.values()].map(({ folder }) => folder);
     const isShown = $("robots").checkVisibility(); // else only what is driven by keys is told of a stop
     if (isShown && folders.some(({ showsEfforts }) => showsEfforts) && performance.now() - this.asked > LOOK) {
       this.asked = performance.now();
       this.ask("LookAtEfforts");
     }
-    for (const [name, { folder }] of this.detailss) {
+    this.look(folders.filter(({ name, details }) => (isShown && details.open) || this.teleop.driven?.robot === name).map(({ name }) => name));
+    for (const folder of folders) {
+      const { name } = folder;
       if (!(name in state.robots) || !(isShown || this.teleop.driven?.robot === name)) continue;
       folder.state(state.robots[name], state.commands);
       folder.plot(state.time, state.robots[name]);

@@ -1,6 +1,7 @@
 // What a person does in the scene: the page calls these through its iframe. Paths are below the twin's folder.
 
 import { Handles } from "./handles.js";
+import { Placing } from "./placing.js";
 
 const { THREE } = MeshCat;
 const CLICK = 4; // pixels that the pointer may move in a click
@@ -8,7 +9,8 @@ const GLOW = new THREE.Color(0x2563a8);
 const PULL = 33; // ms between two requests while a link is dragged
 const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this radius
 const MARGIN = 1.25; // of the picture to what it shows
-const EDGE = 0.9; // of half the picture: what is farther out leaves it
+const EDGE = { side: 0.98, top: 0.98, bottom: 0.86 }; // of half the picture: what is farther out leaves it; the timeline is below
+const CORE = 0.7; // of a link's reach is seen while it is in the picture
 const LIFTS = [0, 1.2, 2.4]; // lines that a name may stand higher to overlap no other
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
@@ -21,11 +23,12 @@ class SceneTools {
     this.onrelease = null; // is given { entity }
     this.pulls = false; // whether a press on a link drags it; with Ctrl it always does
     this.onplace = null; // is given { xyz, rpy } of what the handles have moved
-    this.clickOwner = null; // is given clicks in place of onclick
+    this.clickOwner = null; // is given clicks in place of onclick, and if it has hovered(hit), what is under the pointer
     this.glowing = new Map(); // material → its own color
     this.paths = [];
     this.ray = new THREE.Raycaster();
     this.handles = new Handles();
+    this.placing = new Placing(this);
     this.pane = viewer.dom_element; // which captures the pointer for the camera
     this.pane.addEventListener("pointerdown", (event) => this.press(event), true);
     this.isTouched = false;
@@ -39,6 +42,7 @@ class SceneTools {
     });
     this.selected = []; // the paths that glow
     this.labels = new Map(); // object → its label, with its size
+    this.reaches = new WeakMap(); // link → how far its meshes reach, and how many they are
     this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
@@ -119,7 +123,7 @@ class SceneTools {
       this.drawPull();
       return;
     }
-    if (!this.handles.taken) return;
+    if (!this.handles.taken) return this.placing.hover(event);
     event.stopPropagation();
     this.aim(event);
     this.moved = this.handles.drag(this.ray);
@@ -208,6 +212,15 @@ class SceneTools {
     return [...viewer.camera.getWorldPosition(new THREE.Vector3()).toArray(), ...viewer.controls.target.toArray()];
   }
 
+  // Place the camera where `cameraPlace` said it was.
+  placeCamera(place) {
+    viewer.camera.position.fromArray(place);
+    viewer.controls.target.fromArray(place, 3);
+    viewer.controls.update();
+    this.isTouched = true;
+    viewer.set_dirty();
+  }
+
   // The folder of all that is drawn of the twin; its axes are the world's.
   get twin() {
     return viewer.scene_tree.find(["twin"]).object;
@@ -223,7 +236,7 @@ class SceneTools {
   // What is at a place of the picture: its path and the point in the world (m); null if nothing is.
   pick(place) {
     this.aim(place);
-    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line].includes(child));
+    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line, this.placing.box].includes(child));
     const hit = this.ray.intersectObjects(drawn, true).find(({ object }) => isSeen(object));
     if (!hit) return null;
     const names = [];
@@ -282,15 +295,26 @@ class SceneTools {
     return distance;
   }
 
-  // Whether the first links of these robots are in the picture.
+  // Whether all links of these robots are in the picture.
   areSeen(paths) {
-    viewer.camera.updateMatrixWorld();
-    return paths.every((path) => {
-      const link = this.object(path)?.children[0];
-      if (!link) return true;
-      const { x, y, z } = link.getWorldPosition(new THREE.Vector3()).project(viewer.camera);
-      return Math.abs(x) < EDGE && Math.abs(y) < EDGE && z < 1;
-    });
+    const { camera, scene } = viewer;
+    for (const each of [scene, camera]) each.updateMatrixWorld();
+    const [at, height] = [new THREE.Vector3(), Math.tan((camera.fov * Math.PI) / 360)];
+    const isInside = (link) => {
+      const { x, y, z } = at.setFromMatrixPosition(link.matrixWorld).applyMatrix4(camera.matrixWorldInverse);
+      const [half, core] = [-z * height, CORE * this.reachOf(link)];
+      return z < 0 && Math.abs(x) + core < EDGE.side * half * camera.aspect && y + core < EDGE.top * half && core - y < EDGE.bottom * half;
+    };
+    return paths.every((path) => this.object(path)?.children.every(isInside) ?? true);
+  }
+
+  // How far a link's meshes reach from its origin (m), as of when they were drawn.
+  reachOf(link) {
+    if (this.reaches.get(link)?.parts !== link.children.length) {
+      const { min, max } = new THREE.Box3().setFromObject(link);
+      this.reaches.set(link, { parts: link.children.length, reach: min.x > max.x ? 0 : min.distanceTo(max) / 2 });
+    }
+    return this.reaches.get(link).reach;
   }
 
   // The canvas, with the present picture on it until the next frame.

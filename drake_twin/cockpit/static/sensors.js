@@ -1,7 +1,31 @@
 // The sensors: a switch for each, pictures as tiles, numbers as plots; points are drawn in the scene by the twin.
 
-import { $, element, toggle } from "./dom.js";
+import { $, element, formatted, setText, toggle } from "./dom.js";
 import { Plot } from "./plot.js";
+
+// A bar of colors with the values of its ends.
+class ColorBar {
+  constructor() {
+    const end = () => element("output", { "aria-live": "off" });
+    [this.lower, this.upper] = [end(), end()];
+    this.bar = element("span", { class: "bar-of-colors", role: "img" });
+    this.node = element("div", { class: "color-bar", hidden: true }, this.lower, this.bar, this.upper);
+  }
+
+  show(legend) {
+    this.node.hidden = !legend;
+    if (!legend) return;
+    const { quantity, unit, lower, upper, stops } = legend;
+    const step = Math.max(upper - lower, 1e-4) / 100;
+    const [from, to] = [lower, upper].map((value) => `${formatted(value, step)} ${unit}`.trim());
+    setText(this.lower, from);
+    setText(this.upper, to);
+    const background = `linear-gradient(to right, ${stops.map((color) => `rgb(${color.map(Number).join(" ")})`).join(", ")})`;
+    if (this.background !== background) this.bar.style.background = this.background = background;
+    this.bar.title = `${quantity}, from ${from} to ${to}`;
+    this.bar.setAttribute("aria-label", `Colors: ${this.bar.title}`);
+  }
+}
 
 export class Sensors {
   constructor(ask) {
@@ -47,7 +71,12 @@ class Sensor {
     this.about = element("span", { class: "muted", text: about });
     this.topics = element("div", { class: "topic muted", title: topics.join(", "), text: topics.join(", ") });
     this.body = element("div", {});
-    this.node = element("div", { class: "sensor" }, element("div", { class: "row" }, node, this.about), this.topics, this.body);
+    this.rate = rate;
+    this.choice = element("select", { "aria-label": `What colors the points of ${robot}'s ${name}`, title: "What colors the points" });
+    this.choice.addEventListener("change", () => ask("ColorSensor", { sensor: key, by: this.choice.value }));
+    this.bar = new ColorBar();
+    this.colors = element("div", { class: "colors", hidden: true }, this.choice, this.bar.node);
+    this.node = element("div", { class: "sensor" }, element("div", { class: "row" }, node, this.about), this.topics, this.colors, this.body);
     this.tiles = new Map();
     this.plots = new Map();
   }
@@ -60,7 +89,16 @@ class Sensor {
       this.tiles.clear();
       this.plots.clear();
     }
+    this.colorBy(shown[key] ?? {});
     for (const group of shown[key]?.groups ?? []) this.plot(shown[key].time, group);
+  }
+
+  // Show what the points in the scene are colored by.
+  colorBy({ legend = null, choices = [], colored_by: by }) {
+    this.colors.hidden = choices.length === 0;
+    if (this.choice.options.length !== choices.length) this.choice.replaceChildren(...choices.map((choice) => element("option", { value: choice, text: choice })));
+    if (by && document.activeElement !== this.choice) this.choice.value = by;
+    this.bar.show(legend);
   }
 
   plot(time, { name, unit, labels, values }) {
@@ -72,14 +110,17 @@ class Sensor {
     this.plots.get(name).add(time, values, labels);
   }
 
-  picture({ topic, width, height }, bytes) {
+  picture({ topic, width, height, size, encoding, legend }, bytes) {
     if (!this.input.checked) return;
     if (!this.tiles.has(topic)) {
-      const canvas = element("canvas", { role: "img", "aria-label": `Picture of ${topic}` });
-      this.tiles.set(topic, canvas);
-      this.body.append(element("figure", { class: "picture" }, canvas, element("figcaption", { text: topic, title: topic })));
+      const tile = { canvas: element("canvas", { role: "img", "aria-label": `Picture of ${topic}` }), bar: new ColorBar(), about: element("span", { class: "about" }) };
+      this.tiles.set(topic, tile);
+      const caption = element("figcaption", {}, element("span", { class: "topic", text: topic, title: topic }), tile.about);
+      this.body.append(element("figure", { class: "picture" }, tile.canvas, tile.bar.node, caption));
     }
-    const canvas = this.tiles.get(topic);
+    const { canvas, bar, about } = this.tiles.get(topic);
+    bar.show(legend);
+    setText(about, [size.join(" × "), encoding, this.rate ? `${this.rate} Hz` : ""].filter(Boolean).join(", "));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     const image = new ImageData(width, height);
     for (let from = 0, to = 0; from < bytes.length; from += 3, to += 4) {

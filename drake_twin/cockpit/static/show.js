@@ -61,7 +61,7 @@ export class Show {
     this.list.append(row);
   }
 
-  structure({ overlays, layout }) {
+  structure({ overlays, scenario: layout }) {
     for (const overlay of overlays) this.add(overlay);
     const isOther = this.layout !== null && layout !== this.layout; // another twin at the same address
     if (this.isRestored && !isOther) return;

@@ -6,6 +6,7 @@ const LOOK = 200; // ms between two requests for data while the dialog is open
 const LONGEST = 1000; // characters of a request
 const RECENT = "drake_twin recent robots";
 const MOST_RECENT = 8;
+const UNKNOWN = { lower: [-0.2, -0.2, 0], upper: [0.2, 0.2, 0.3] }; // m: a robot that is still measured
 
 function recent() {
   try {
@@ -40,12 +41,20 @@ export default class SpawnPanel {
     });
     this.preview = $("spawn-preview");
     this.preview.addEventListener("toggle", () => this.askPreview());
-    this.form.addEventListener("change", () => this.askPreview());
+    this.form.addEventListener("change", () => {
+      this.askBox();
+      this.askPreview();
+    });
+    for (const axis of ["x", "y"]) this.fields[axis].addEventListener("input", () => (this.isPlaced = true));
     this.form.addEventListener("submit", (event) => {
       event.preventDefault();
       this.spawn();
     });
-    window.addEventListener("keydown", (event) => event.code === "Escape" && this.clicked(null));
+    window.addEventListener("keydown", (event) => {
+      if (event.code !== "Escape" || $("spawn-hint").hidden) return;
+      event.preventDefault(); // else it closes the dialog again
+      this.clicked(null);
+    });
     setInterval(() => this.dialog.open && this.look(), LOOK);
   }
 
@@ -58,9 +67,12 @@ export default class SpawnPanel {
     let number = 1;
     while (names.includes(`robot_${number}`)) number += 1;
     this.fields.name.value = `robot_${number}`;
+    this.isPlaced = false; // by a person; else it stands beside what is there
+    this.measured = null;
     this.say("");
     this.dialog.showModal();
     this.look();
+    this.askBox();
     this.askPreview();
   }
 
@@ -72,6 +84,24 @@ export default class SpawnPanel {
   givenArguments() {
     const given = [...this.arguments].filter(([, input]) => input.value !== "");
     return JSON.stringify(Object.fromEntries(given.map(([key, input]) => [key, input.value])));
+  }
+
+  // Ask how large the robot is, and for a free place for it.
+  askBox() {
+    const file = this.fields.file.value.trim();
+    const key = JSON.stringify([file, this.givenArguments()]);
+    if (!file || key === this.measured) return;
+    const request = { do: "Measure", key, file, arguments: this.givenArguments() };
+    if (JSON.stringify(request).length > LONGEST) return;
+    this.measured = key;
+    this.box = null;
+    this.ask(request);
+  }
+
+  showBox(box) {
+    this.box = box;
+    if (this.isPlaced) return;
+    [this.fields.x.value, this.fields.y.value] = box.place;
   }
 
   // Ask for a picture of the robot, while somebody wants to see it and it is not there yet.
@@ -109,6 +139,7 @@ export default class SpawnPanel {
       xyz: [number("x"), number("y"), number("z")],
       rpy: [0, 0, number("yaw")],
       stands: this.fields.stands.checked,
+      beside: !this.isPlaced,
       arguments: this.givenArguments(),
       controllers: this.fields.controllers.value.trim(),
     };
@@ -127,6 +158,16 @@ export default class SpawnPanel {
     tools.takeClicks(this);
   }
 
+  // Show the robot's box where the mouse points.
+  hovered(hit) {
+    const tools = $("scene").contentWindow?.sceneTools;
+    const { lower, upper } = this.box ?? UNKNOWN;
+    const size = upper.map((end, axis) => end - lower[axis]);
+    const middle = upper.map((end, axis) => (end + lower[axis]) / 2);
+    if (this.fields.stands.checked) middle[2] = size[2] / 2;
+    tools?.placing.show(hit && { size, middle, at: hit.point, yaw: this.fields.yaw.valueAsNumber || 0 });
+  }
+
   clicksTaken() {
     this.clicked(null);
   }
@@ -134,8 +175,13 @@ export default class SpawnPanel {
   clicked(hit) {
     if ($("spawn-hint").hidden) return;
     $("spawn-hint").hidden = true;
-    $("scene").contentWindow?.sceneTools?.dropClicks(this);
-    if (hit) for (const axis of ["x", "y", "z"]) this.fields[axis].value = Number(hit.point[axis].toFixed(3)) + 0;
+    const tools = $("scene").contentWindow?.sceneTools;
+    tools?.dropClicks(this);
+    tools?.placing.show(null);
+    if (hit) {
+      this.isPlaced = true;
+      for (const axis of ["x", "y", "z"]) this.fields[axis].value = Number(hit.point[axis].toFixed(3)) + 0;
+    }
     this.dialog.showModal();
   }
 
@@ -176,6 +222,7 @@ export default class SpawnPanel {
     if (!state || !this.dialog.open) return;
     this.showFiles(state);
     this.showArguments(state);
+    if (state.box && !this.box && state.box.place && state.box.key === this.measured) this.showBox(state.box);
     if (state.preview && state.preview.key === this.previewed) this.showPreview(state.preview);
     if (state.key !== this.asked?.key) return;
     this.form.inert = state.status === "reading";

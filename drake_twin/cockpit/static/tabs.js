@@ -2,6 +2,7 @@
 
 import { $, element } from "./dom.js";
 
+const SHEET = matchMedia("(max-width: 760px)"); // as in page.css
 export const OTHERS = "Panels"; // the tab of groups that name none: other packages' panels
 
 export class Tabs {
@@ -27,11 +28,18 @@ export class Tabs {
 
   make(name) {
     const id = name.toLowerCase();
-    const button = element("button", { role: "tab", id: `tab-${id}`, "aria-controls": `page-${id}`, text: name, onclick: () => this.press(name) });
+    const button = element("button", { role: "tab", id: `tab-${id}`, "aria-controls": `page-${id}`, text: name, onclick: () => this.tap(name) });
     const page = element("div", { class: "page", role: "tabpanel", id: `page-${id}`, "aria-labelledby": button.id, hidden: true });
     this.bar.append(button);
     $("panel").append(page);
     return { button, page };
+  }
+
+  // In a sheet, whose tabs stay when it is closed, the chosen tab closes and opens it.
+  tap(name) {
+    const isClosed = document.body.classList.contains("panel-closed");
+    if (isClosed || (name === this.chosen && SHEET.matches)) $("panel-toggle").click();
+    this.press(name);
   }
 
   press(name) {

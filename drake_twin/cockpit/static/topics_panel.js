@@ -3,8 +3,10 @@
 import { element, reveal, setText } from "../dom.js";
 import { Drawing } from "../drawing.js";
 import { Frames } from "../frames.js";
+import { keep, kept } from "../kept.js";
 import { partsOf, plots } from "../plots.js";
 import { PublishForm } from "../publish_form.js";
+import { Rows } from "../rows.js";
 
 const LOOK = 1000; // ms between two requests for data
 const OUT = { published: "", commanded: "listened to", action: "action" };
@@ -17,8 +19,10 @@ export default class TopicsPanel {
     this.chosen = "";
     this.frames = new Frames();
     this.drawing = new Drawing(() => ask({ do: "Draw" }), (names) => this.find(names));
-    this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter topics", oninput: () => this.list() });
+    this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter topics", oninput: () => this.filterBy(this.filter.value) });
+    this.filter.value = kept().topics ?? "";
     this.names = element("ul", { class: "topics", "aria-label": "Topics", "data-listed": true }); // by `commands`
+    this.rows = new Rows(this.names, (index) => this.item(this.listed[index]));
     this.head = element("h3", {});
     this.values = element("tbody");
     this.echo = element("div", { class: "echo", tabindex: 0, role: "region", "aria-label": "Last message" }, element("table", {}, this.values));
@@ -35,29 +39,37 @@ export default class TopicsPanel {
 
   // Ask for data, while somebody can see them.
   look() {
-    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only, .playback")) return;
+    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only")) return;
     const isShown = this.node.checkVisibility();
     const [topics, frames] = [this.details, this.frames.node].map(({ open }) => isShown && open);
-    if (!topics && !frames && !plots.paths.length && !this.drawing.isOpen) return;
+    const wanted = document.body.matches(".playback") ? plots.missing : plots.paths;
+    if (!topics && !frames && !wanted.length && !this.drawing.isOpen) return;
     this.ask({ do: "Look", version: this.version, echo: topics ? this.chosen : "", frames });
-    for (const [topic, field = ""] of plots.paths.map(partsOf)) this.ask({ do: "Plot", topic, field });
+    for (const [topic, field = ""] of wanted.map(partsOf)) this.ask({ do: "Plot", topic, field });
+  }
+
+  filterBy(words) {
+    this.filter.value = words;
+    keep({ topics: words });
+    this.list();
   }
 
   list() {
     const wanted = this.filter.value.trim().toLowerCase();
-    const item = ({ name, kind, type, rate, latched }) => {
-      const about = [OUT[kind], type, rate ? `${Number(rate.toFixed(1))} Hz` : latched ? "once" : ""].filter(Boolean).join(", ");
-      const press = () => this.choose(name);
-      const button = element("button", { "aria-pressed": String(name === this.chosen), onclick: press }, name, element("small", { text: about }));
-      return element("li", {}, button);
-    };
-    const shown = this.topics.filter(({ name, type }) => `${name} ${type}`.toLowerCase().includes(wanted));
-    this.names.replaceChildren(...shown.map(item));
+    this.listed = this.topics.filter(({ name, type }) => `${name} ${type}`.toLowerCase().includes(wanted));
+    this.rows.show(this.listed.length);
+  }
+
+  item({ name, kind, type, rate, latched }) {
+    const about = [OUT[kind], type, rate ? `${Number(rate.toFixed(1))} Hz` : latched ? "once" : ""].filter(Boolean).join(", ");
+    const press = () => this.choose(name);
+    const button = element("button", { "aria-pressed": String(name === this.chosen), title: name, onclick: press }, name, element("small", { text: about }));
+    return element("li", {}, button);
   }
 
   choose(name) {
     this.chosen = name === this.chosen ? "" : name;
-    this.list();
+    for (const [index, row] of this.rows.made) row.firstChild.setAttribute("aria-pressed", String(this.listed[index].name === this.chosen));
     this.show();
     this.look();
   }
@@ -80,12 +92,11 @@ export default class TopicsPanel {
     if (!found) return false;
     const folder = document.querySelector(`.robot[data-robot="${CSS.escape(found.robot)}"] > details`);
     if (folder) folder.open = true;
-    this.filter.value = "";
     this.details.open = true;
-    this.list();
+    this.filterBy("");
     if (found.name !== this.chosen) this.choose(found.name);
-    this.names.querySelector("[aria-pressed=true]")?.scrollIntoView({ block: "nearest" });
     reveal(this.node);
+    this.rows.bring(this.listed.indexOf(found));
     return true;
   }
 
@@ -131,7 +142,8 @@ export default class TopicsPanel {
     if (data.version !== this.version) this.look();
     const isShown = this.node.checkVisibility();
     if (isShown && this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
-    plots.take(data.batches, data.problems);
+    plots.takeWhole(data.curves ?? {});
+    plots.take(data.batches, data.problems, data.units);
     this.form.heard(data.outcome);
     if (data.frames && isShown && this.frames.node.open) this.frames.show(data.frames);
     if (data.diagram) this.drawing.show(data.diagram);
