@@ -63,11 +63,12 @@ def test_a_track_is_seen_behind_the_robot_and_is_gone_with_its_switch(page):
     look_at(tab, "robot_1", "robot_2")
     it.for_frames(5)
     blue = (38, 99, 168)
-    shown = has_color(picture(tab), blue)
+    shown = picture(tab)
     tab.keyboard.press("t")
     it.frames(lambda: "tracks" not in it.cockpit._overlays)
     it.for_frames(3)
-    assert shown > has_color(picture(tab), blue) + 50  # the page's own controls are blue, too
+    shown[np.abs(shown - picture(tab)).sum(axis=2) < 30] = 255  # the page's own controls are blue, too
+    assert has_color(shown, blue, spread=50) > 15
 
 
 def test_ghosts_of_the_start_stay_there_with_all_meshes(page):
