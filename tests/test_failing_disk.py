@@ -98,6 +98,6 @@ def test_every_program_with_a_clock_that_is_set_back(runs, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", JOBS)
+@pytest.mark.parametrize("name", [name for name in JOBS if "of a node" not in name])  # whose file says where to write
 def test_what_no_program_can_read_is_said(runs, name):
     held(runs, JOBS[name], "read", some, error=errno.EIO, under=read_under(runs, JOBS[name]))
