@@ -164,7 +164,7 @@
   viewer.render = function (...given) {
     follow();
     fillGhosts();
-    if (tools()) tools().labels = labelsInScene();
+    if (tools()) tools().labels.objects = labelsInScene();
     const { width, height } = viewer.renderer.getDrawingBufferSize(new THREE.Vector2());
     size.value.set(width, height).divideScalar(THICK * viewer.renderer.getPixelRatio());
     return render.apply(this, given);

@@ -1,6 +1,7 @@
 // What a person does in the scene: the page calls these through its iframe. Paths are below the twin's folder.
 
 import { Handles } from "./handles.js";
+import { Labels } from "./labels.js";
 import { Placing } from "./placing.js";
 
 const { THREE } = MeshCat;
@@ -11,7 +12,6 @@ const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this r
 const MARGIN = 1.25; // of the picture to what it shows
 const EDGE = { side: 0.98, top: 0.98, bottom: 0.86 }; // of half the picture: what is farther out leaves it; the timeline is below
 const CORE = 0.7; // of a link's reach is seen while it is in the picture
-const LIFTS = [0, 1.2, 2.4]; // lines that a name may stand higher to overlap no other
 const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
 
 class SceneTools {
@@ -41,12 +41,11 @@ class SceneTools {
       if (hit) this.onfocus?.(hit);
     });
     this.selected = []; // the paths that glow
-    this.labels = new Map(); // object → its label, with its size
+    this.labels = new Labels(this);
     this.reaches = new WeakMap(); // link → how far its meshes reach, and how many they are
-    this.names = new Map(); // path of a robot → its label, with its size and its height above the first link
     viewer.render_callback = () => {
       this.handles.fit();
-      this.placeNames();
+      this.labels.place();
     };
   }
 
@@ -338,54 +337,8 @@ class SceneTools {
 
   // Show the names of these robots above them, and no others.
   showNames(names) {
-    for (const { label } of this.names.values()) label.remove();
-    this.names.clear();
-    for (const name of names) {
-      const label = document.createElement("div");
-      label.className = "name";
-      label.textContent = name;
-      document.body.append(label);
-      this.names.set(name, { label, width: label.offsetWidth, height: label.offsetHeight, top: null });
-    }
+    this.labels.show(names);
     viewer.set_dirty();
-  }
-
-  // Place the names; of those that would overlap, the farther robots' are higher by some lines, or hidden.
-  placeNames() {
-    if (!this.names.size && !this.labels.size) return;
-    const eye = viewer.camera.getWorldPosition(new THREE.Vector3());
-    const found = [...this.names].map(([path, name]) => {
-      const top = this.topOf(path);
-      return { ...name, at: top && this.onPicture(this.twin.worldToLocal(top.clone()).toArray()), distance: top?.distanceTo(eye) };
-    });
-    for (const [object, label] of this.labels) {
-      const at = object.getWorldPosition(new THREE.Vector3());
-      found.push({ ...label, at: this.onPicture(this.twin.worldToLocal(at.clone()).toArray()), distance: at.distanceTo(eye), isSmall: true });
-    }
-    const shown = [];
-    // Robots' names first, then what is nearest.
-    for (const { label, width, height, at } of found.sort((one, other) => (one.isSmall ?? 0) - (other.isSmall ?? 0) || one.distance - other.distance)) {
-      const isFree = (y) => shown.every((other) => Math.abs(at.x - other.at.x) > (width + other.width) / 2 || Math.abs(y - other.at.y) > height);
-      const y = at?.isAhead ? LIFTS.map((lines) => at.y - lines * height).find(isFree) : undefined;
-      label.hidden = y === undefined;
-      if (label.hidden) continue;
-      at.y = y;
-      shown.push({ at, width });
-      label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
-    }
-  }
-
-  // Where a robot's name is: above its first link, by the robot's height when it was named.
-  topOf(path) {
-    const link = this.object(path)?.children[0];
-    if (!link) return null;
-    const at = link.getWorldPosition(new THREE.Vector3());
-    const known = this.names.get(path);
-    if (known.top === null) {
-      const box = this.boxOf([path]);
-      if (box) known.top = box.max.y - at.y;
-    }
-    return at.setY(at.y + (known.top ?? 0));
   }
 
   // Tint what is at these paths, and nothing else.
