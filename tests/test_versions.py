@@ -29,6 +29,7 @@ WRITERS = {
     "description/lasting_files.py": "a robot's own text, named by its digest",
     "description/mesh_cache.py": "converted mesh",
     "diagram/picture.py": "a picture",
+    "film/film.py": "a film",
     "ros2/xacro_program.py": "what xacro writes",
     "sweeps/report.py": "a picture",
     "sweeps/results.py": "sweep's table",

@@ -1,5 +1,6 @@
 """Where a world's file is, and Gazebo's own empty worlds, for where theirs is missing."""
 
+import os
 from pathlib import Path, PurePath
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
@@ -34,7 +35,7 @@ def find_world(address: str, packages: PackageIndex) -> Path | None:
         return packages.resolve(address)
     except InputError as error:
         folders = (*packages.folders, *packages.resource_folders)
-        beside = [folder / address for folder in folders if (folder / address).is_file()]
+        beside = [folder / address for folder in folders if os.path.isfile(folder / address)]
         if beside:
             return beside[0]
         if name in BUILT_IN_WORLDS:

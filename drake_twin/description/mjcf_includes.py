@@ -4,6 +4,7 @@ Drake's parser resolves an include against the working directory. Here its conte
 https://mujoco.readthedocs.io/en/stable/XMLreference.html#include
 """
 
+import os
 from pathlib import Path
 
 from lxml import etree
@@ -52,7 +53,7 @@ def _expand(
         name = include.get("file")
         if not name or len(include):
             raise _error(place, "<include> needs a file, and cannot have elements of its own")
-        found = next((path for path in (file.parent / name, main.parent / name) if path.is_file()), None)
+        found = next((path for path in (file.parent / name, main.parent / name) if os.path.isfile(path)), None)
         if found is None:
             raise _error(place, f"the included file {name!r} does not exist", name)
         resolved = found.resolve()

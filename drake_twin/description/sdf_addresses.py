@@ -72,7 +72,7 @@ class SdfAddresses:
         fuel = _FUEL.match(address)
         if fuel is not None:
             file = self._downloaded(fuel) / address.partition("/files/")[2]
-            if not file.exists():
+            if not os.path.exists(file):
                 raise InputError("the file does not exist", file=file)
             return file
         scheme, separator, rest = address.partition("://")
@@ -83,15 +83,15 @@ class SdfAddresses:
         missing: Path | None = None  # in a model's folder that is there
         if relative and scheme != "package":
             for folder in _folders_near(Path(str(base))):
-                if (folder / rest).exists():
+                if os.path.exists(folder / rest):  # unlike Path's, of every name
                     return Path(os.path.abspath(folder / rest))
-                if missing is None and scheme == "model" and (folder / rest.partition("/")[0]).is_dir():
+                if missing is None and scheme == "model" and os.path.isdir(folder / rest.partition("/")[0]):
                     missing = folder / rest
         try:
             return self._packages.resolve(address, base)
         except InputError as error:
             for folder in self._packages.resource_folders:
-                if relative and (folder / rest).exists():
+                if relative and os.path.exists(folder / rest):
                     return Path(os.path.abspath(folder / rest))
             if missing is not None:
                 raise InputError("the file does not exist", file=missing) from None
@@ -129,7 +129,7 @@ class SdfAddresses:
             if isinstance(error, MissingPackageError):
                 raise
             raise NotIncludedError(str(error).rstrip(".")) from None
-        file = _model_file(place) if place.is_dir() else place
+        file = _model_file(place) if os.path.isdir(place) else place
         try:
             return read_xml(file, "model"), file
         except InputError as error:

@@ -167,6 +167,7 @@ def _replace_plane(plane: etree._Element, size: tuple[float, float, float]) -> N
 
 _THIN = 1e-3  # m
 _ENDLESS, _DEEP = 100.0, 1.0  # m: a plane has no end in Gazebo, whatever its size
+_HUGE = 1e100  # of a normal's numbers, whose squares are numbers, too
 _PLANE = 100.0  # m; of a plane without a possible size
 
 
@@ -190,6 +191,8 @@ def plane_normal(plane: etree._Element) -> np.ndarray:
     """Return the direction that a ``<plane>`` faces, in its shape's frame."""
     parts = numbers_in(plane.findtext("normal") or "0 0 1")
     normal = np.array([part if part is not None and isfinite(part) else 0.0 for part in parts])
+    if (largest := float(np.abs(normal).max(initial=0.0))) > _HUGE:
+        normal = normal / largest
     return normal if normal.shape == (3,) and np.linalg.norm(normal) > 1e-8 else np.array([0.0, 0.0, 1.0])
 
 

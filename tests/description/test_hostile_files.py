@@ -4,9 +4,11 @@ import json
 import os
 
 import pytest
+from lxml import etree
 
-from drake_twin import TwinBuilder
+from drake_twin import TwinBuilder, World
 from drake_twin.description import xacro_expressions
+from drake_twin.description.sdf_shapes import plane_normal, turned_to
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario.scenario_file import ScenarioFile
@@ -124,6 +126,31 @@ def test_an_mjcf_actuator_with_no_range_is_refused(tmp_path, bounds):
     (tmp_path / "a.xml").write_text(f'<mujoco model="m">{body}{motor}</mujoco>')
     with pytest.raises(InputError, match="where two numbers are needed"):
         built(tmp_path / "a.xml")
+
+
+@pytest.mark.parametrize("scheme", ["", "model://", "file://"])
+def test_a_mesh_whose_name_no_file_can_have_is_a_missing_one(tmp_path, scheme):
+    mesh = f"<geometry><mesh><uri>{scheme}{'a' * 300}.stl</uri></mesh></geometry>"
+    link = f'<link name="a"><visual name="v">{mesh}</visual></link>'
+    (tmp_path / "a.sdf").write_text(f'<sdf version="1.9"><model name="m">{link}</model></sdf>')
+    assert any("aaaa" in str(finding) for finding in built(tmp_path / "a.sdf").findings)
+
+
+def test_a_file_whose_name_no_file_can_have_does_not_exist(tmp_path):
+    name = "a" * 300
+    (tmp_path / "a.xml").write_text(f'<mujoco model="m"><include file="{name}.xml"/></mujoco>')
+    (tmp_path / "a.urdf").write_text(f'<robot name="r"><link name="a">{INERTIAL}</link></robot>')
+    for twin in (
+        TwinBuilder().robot("r", tmp_path / "a.xml"),
+        TwinBuilder(world=World(file=name)).robot("r", tmp_path / "a.urdf"),
+    ):
+        with pytest.raises(InputError, match="aaaa"):
+            twin.build()
+
+
+def test_a_plane_that_faces_absurdly_far_has_a_direction():
+    plane = etree.fromstring("<plane><normal>0 1e308 1e308</normal></plane>")
+    assert turned_to(plane_normal(plane))[:, 2] == pytest.approx([0, 0.5**0.5, 0.5**0.5])
 
 
 def test_a_version_of_sdf_that_nobody_counts_to_is_refused(tmp_path):
