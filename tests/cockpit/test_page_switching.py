@@ -18,6 +18,8 @@ def press(tab, text):
 
 def said(it, tab, text):
     """Runs until a message was shown: the line's own or, if the demo's schedule warned since, one of the list."""
+    if tab.locator("#messages").is_hidden():
+        tab.locator("#messages-toggle").click(force=True)
     it.frames(lambda: any(text in line for line in tab.locator("#messages li").all_text_contents()))
 
 
