@@ -23,7 +23,7 @@ from drake_twin.cockpit.real_time_factor import RealTimeFactor
 from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.sensor_view import SensorView
 from drake_twin.cockpit.server import PageServer
-from drake_twin.cockpit.snapshot import state, structure
+from drake_twin.cockpit.snapshot import layout_key, state, structure
 from drake_twin.cockpit.stepping import Stepping
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.cockpit.timeline import Timeline
@@ -97,6 +97,7 @@ class Cockpit:
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._looks = Looks()
+        self._layout = layout_key(twin)  # as the robots are at first: the page stays as it is when some come or go
         self._stepping = Stepping(twin)
         self._published_log = -1
         self._published_timeline = ""
@@ -149,16 +150,6 @@ class Cockpit:
         while self._asked and not (only_now and isinstance(self._asked[0][1], _BETWEEN_ADVANCES)):
             self._try(self._do, *self._asked.popleft(), in_callback)
             self._follow_robots()
-
-    def panel(self, name: str) -> Panel:
-        """Return the Python half of a panel.
-
-        Raises:
-            InputError: If it is unknown.
-        """
-        if name not in self.panels:
-            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
-        return self.panels[name]
 
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
@@ -321,12 +312,13 @@ class Cockpit:
             self._overlays.pop(name).remove()
 
     def _ask_panel(self, name: str, data: str) -> None:
-        panel = self.panel(name)
+        if name not in self.panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self.panels)
         try:
             value = json.loads(data)
         except (ValueError, RecursionError):
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
-        panel.ask(value)
+        self.panels[name].ask(value)
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
@@ -359,6 +351,7 @@ class Cockpit:
         texts: dict[str, str] = {}
         if self._structure is None or everything:
             whole = structure(self._twin, self._commands, self._teleop, only_displayed=self._only_displayed)
+            whole["layout"] = self._layout
             listing = {
                 "playback": self._player is not None,
                 "sensors": self.sensors.listing() if not self._only_displayed else [],

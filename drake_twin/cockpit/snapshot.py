@@ -25,7 +25,6 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
     """
     return {
         "display_only": only_displayed,
-        "layout": layout_key(twin),
         "overlays": [
             {"name": kind.name, "label": kind.label, "hint": kind.hint, "key": kind.key}
             for kind in OVERLAY_KINDS.values()

@@ -135,6 +135,8 @@ def existing_file(path: str, context: LaunchContext, place: Place | None) -> Pat
     if package is not None:
         reason = context.packages.absent.get(package, "")
         raise AbsentError(f"package {package!r} is absent", **file_and_line(place)) from InputError(reason)
+    if not path.isprintable():
+        raise InputError(f"the launch file {path[:80]!r}… does not exist", **file_and_line(place))
     folder = file.parent
     there = sorted(entry.name for entry in folder.iterdir() if "launch" in entry.name) if folder.is_dir() else None
     looked = f"looked in {folder}" if there is not None else f"the folder {folder} does not exist"

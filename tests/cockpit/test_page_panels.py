@@ -12,6 +12,7 @@ from conftest import rovers
 from fake_page import FakePage
 from pydrake.geometry import Rgba, Sphere
 from pydrake.math import RigidTransform
+from show_menu import press
 
 from drake_twin import extensions
 from drake_twin.cockpit import protocol
@@ -77,8 +78,9 @@ def test_an_overlay_of_others_is_listed_drawn_and_removed(own_parts):
     it = FakePage(rovers(1).build(), Scene())
     assert it.state
     listed = it.server.told["robots"]["overlays"]
-    assert [item["name"] for item in listed] == ["frames", "contacts", "collision", "inertia", "sensors", "origin"]
-    assert listed[-1] == {"name": "origin", "label": "Origin of the world", "hint": "A red ball"}
+    first = ["tracks", "starts", "goals", "contacts", "masses", "inertia"]
+    assert [item["name"] for item in listed] == [*first, "collision", "frames", "joints", "sensors", "origin"]
+    assert listed[-1] == {"name": "origin", "label": "Origin of the world", "hint": "A red ball", "key": ""}
     it.ask(protocol.Show("origin", True))
     assert it.cockpit._scene.has_path(f"{OVERLAYS}/origin")
     it.ask(protocol.Show("origin", False))
@@ -94,11 +96,11 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
     assert it.server.files["panel_horn.js"] == SCRIPT.encode()
     it.ask(protocol.AskPanel("horn", '{"honk": 2}'))
     assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
-    assert it.server.told["robots"]["panels"] == ["world", "own", "spawn", "topics", "horn"]
+    assert it.server.told["robots"]["panels"] == ["world", "own", "spawn", "topics", "compare", "horn"]
     for name, data, reason in (
         ("horn", '{"honk": 99}', "too loud"),
         ("horn", "{", "panel 'horn' sent data that is not JSON: '{'"),
-        ("bell", "1", "unknown panel 'bell'. Valid: world, own, spawn, topics, horn"),
+        ("bell", "1", "unknown panel 'bell'. Valid: world, own, spawn, topics, compare, horn"),
     ):
         it.ask(protocol.AskPanel(name, data))
         assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
@@ -160,7 +162,7 @@ class TestInBrowser:
         section = tab.locator("[data-panel=horn]")
         it.frames(section.is_visible)  # what a page with panels of others is opened for
         open_tab(tab, "View")
-        tab.get_by_label("Origin of the world").click(force=True)
+        press(tab, "Origin of the world")
         it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/origin"))
         open_tab(tab, "Panels")
         it.seen(section.locator("output"), "moving, 0 honks")

@@ -22,7 +22,7 @@ from pathlib import Path
 import yaml
 
 FILE_NAME = re.compile(r"`([\w./-]+\.\w+)`[^`]*:$")
-WAITS = ("--watch", "--view", "--viewer")
+WAITS = ("--watch", "--view", "--viewer", "--compare")
 # Commands of other programs, and those that take too long.
 OTHERS = (
     "pip",
