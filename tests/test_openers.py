@@ -3,6 +3,7 @@
 import ast
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -105,6 +106,13 @@ def test_a_bag_whose_description_is_a_pipe_is_refused(bag):
         Bag(bag)
     with pytest.raises(RuntimeError, match="No storage could be initialized"):
         _info.open_bag(str(bag))
+
+
+def test_a_bag_whose_files_are_no_list_is_refused(bag):
+    text = (bag / "metadata.yaml").read_text()
+    assert "  files:" in text
+    (bag / "metadata.yaml").write_text(re.sub(r"  files:\n(  [ -].*\n)*", "  files: none\n", text))
+    assert "its files are no list, but 'none'" in refusal(bag)
 
 
 @pytest.mark.parametrize("way", ["path", "link"])

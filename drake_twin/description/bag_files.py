@@ -44,6 +44,8 @@ def _named(metadata: Path) -> list[str]:
     try:
         found: Any = load_yaml(file_text(metadata))
         names = found["rosbag2_bagfile_information"]["relative_file_paths"]
+        if not isinstance(files := found["rosbag2_bagfile_information"].get("files", []), list):
+            raise ValueError(f"its files are no list, but {files!r:.80}")
     except (yaml.YAMLError, ValueError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"the bag cannot be read: {reason}", file=metadata) from None
