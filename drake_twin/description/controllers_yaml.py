@@ -14,6 +14,7 @@ from drake_twin.typed_data import Reader, ValuePath
 from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
+LOWEST_RATE = 1e-9  # Hz: once in thirty years
 
 _OF_MANAGER = (
     *("update_rate", "enforce_command_limits", "use_sim_time"),
@@ -225,7 +226,7 @@ def _with_values(
 ) -> ControllerManagerParameters:
     """Return the parameters of a controller manager with those that are given."""
     rate, text = given.get("update_rate", before.update_rate), given.get(_STRICTNESS)
-    if not is_number(rate) or not 0 < rate < HIGHEST_RATE:
+    if not is_number(rate) or not LOWEST_RATE < rate < HIGHEST_RATE:
         raise document.error((*path, "update_rate"), f"{rate!r} is not a positive rate (Hz)")
     if _STRICTNESS in given and str(text) not in _STRICTNESSES:
         at = (*path, _STRICTNESS)

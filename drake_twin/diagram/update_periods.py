@@ -4,10 +4,12 @@ from math import ceil, nextafter
 
 from drake_twin.planning.controller_plan import ControllerPlan
 
+_MOST_STEPS = 1e15
+
 
 def whole_steps(rate: float, time_step: float) -> int:
     """Return the number of physics steps from one update to the next at a rate (Hz), as Gazebo counts them."""
-    return max(1, ceil(1.0 / rate / time_step - 1e-6))
+    return max(1, ceil(min(1.0 / rate / time_step, _MOST_STEPS) - 1e-6))
 
 
 def published_rate(period: float) -> float:

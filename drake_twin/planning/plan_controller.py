@@ -9,7 +9,7 @@ from typing import Any
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_class, controller_types
-from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerParameters
+from drake_twin.description.controllers_yaml import HIGHEST_RATE, LOWEST_RATE, ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import InputError
@@ -35,7 +35,11 @@ def plan_controller(
         InputError: If its parameters are wrong.
     """
     rate = controller.parameters.get("update_rate", manager_rate)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
+    if (
+        isinstance(rate, bool)
+        or not isinstance(rate, int | float)
+        or not (rate == 0 or LOWEST_RATE < rate < HIGHEST_RATE)
+    ):
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
     fallbacks = controller.names("fallback_controllers")
     if controller.name in fallbacks:

@@ -130,7 +130,7 @@ def test_a_placeholder_in_a_comment_needs_no_value(read):
     assert read(f"controller_manager: # $(var anything)\n  {MANAGER}\n").update_rate == 50.0
 
 
-@pytest.mark.parametrize("rate", ["0", "-5", "fast", "true", ".inf", ".nan", "[50]"])
+@pytest.mark.parametrize("rate", ["0", "-5", "5.0e-324", "fast", "true", ".inf", ".nan", "[50]"])
 def test_an_update_rate_that_is_none_is_refused_with_line_and_path(refusal, rate):
     text = refusal(f"controller_manager:\n  ros__parameters:\n    update_rate: {rate}\n")
     assert text.startswith("controllers.yaml:3: controller_manager.ros__parameters.update_rate: ")
