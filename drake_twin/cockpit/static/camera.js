@@ -84,11 +84,11 @@ export class Camera {
   state({ followed }) {
     this.writeNames();
     if (this.isSettled) return;
-    if (this.tools && this.goBack()) return;
     // Meshes are loaded one by one, robots come and drive away, the pane changes its size: fit again, until somebody moves
     // the camera.
     const drawn = this.tools?.measure(this.names);
     if (!drawn) return;
+    if (drawn.meshes && this.goBack()) return; // the scene places its camera first
     this.isSettled = Boolean(followed) || drawn.isTouched;
     const key = `${drawn.meshes} ${drawn.aspect}`;
     if (!this.isSettled && (key !== this.fitted || !this.tools.areSeen(this.names)) && this.fit()) this.fitted = key;

@@ -54,7 +54,7 @@ export class Palette {
   state() {
     if (!this.dialog.open) return;
     const others = this.more(false);
-    if (others.length === this.others.length) return;
+    if (others.length === this.others.length && others.at(-1)?.text === this.others.at(-1)?.text) return;
     this.others = others;
     this.find();
   }
