@@ -225,7 +225,7 @@ MUTANTS = (
         ),
         ("planning: inactive ones claim", "if state == ACTIVE:\n", "if state:\n"),
         ("planning: a problem leaves it active", "state = UNLOADED", "state = wanted"),
-        ("planning: a rate of zero is none", "0 <= rate < HIGHEST_RATE", "0 < rate < HIGHEST_RATE"),
+        ("planning: a rate of zero is none", "(rate == 0 or LOWEST_RATE <", "(LOWEST_RATE <"),
         ("planning: a joint may stand twice", "if claim in seen:", "if claim in ():"),
         ("planning: inactive goes before active", "robot.active_controllers is None or name not in active]", "name]"),
         ("planning: one plugin of a name", 'name += "_plugin"', "break"),
