@@ -1,6 +1,7 @@
 """The ``.msg``, ``.srv`` and ``.action`` files of a workspace's packages, read when a type is first asked for."""
 
 import logging
+import os
 from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
@@ -83,7 +84,7 @@ class InterfaceFiles:
         package, kind, own = name.split("/")
         folder = self._folder_of(package)
         file = None if folder is None else folder / kind / f"{own}.{kind}"
-        return file if file is not None and file.is_file() else None
+        return file if file is not None and os.path.isfile(file) else None
 
 
 def _text(file: Path) -> str:

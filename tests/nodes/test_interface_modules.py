@@ -9,6 +9,8 @@ import pytest
 from interface_packages import folder_of, write_package
 
 from drake_twin import InputError
+from drake_twin.errors import InputError
+from drake_twin.nodes.interface_files import InterfaceFiles
 from drake_twin.nodes.interfaces import Interfaces
 from drake_twin.nodes.message_classes import from_wire, message_class, to_wire, type_name
 
@@ -243,3 +245,10 @@ def test_modules_of_nav2_and_moveit():
     assert source("moveit_msgs.msg").MoveItErrorCodes.PLANNING_FAILED == -1
     assert source("geographic_msgs.msg").GeoPoint(latitude=47.5).latitude == 47.5
     assert source("vision_msgs.msg").Detection2DArray().detections == []
+
+
+def test_a_field_of_a_type_that_no_file_can_have_is_refused(tmp_path):
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Own.msg").write_text(f"strange_msgs/{'A' * 300} field\n")
+    with pytest.raises(InputError, match="AAAA"):
+        InterfaceFiles(lambda package: tmp_path).load("strange_msgs/msg/Own")
