@@ -9,7 +9,6 @@ import pytest
 from interface_packages import folder_of, write_package
 
 from drake_twin import InputError
-from drake_twin.errors import InputError
 from drake_twin.nodes.interface_files import InterfaceFiles
 from drake_twin.nodes.interfaces import Interfaces
 from drake_twin.nodes.message_classes import from_wire, message_class, to_wire, type_name
