@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import threading
 import uuid
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -77,16 +78,26 @@ def _send_goal(client: "Client", options: argparse.Namespace) -> int:
     number = uuid.uuid4()
     goal_id = {"uuid": [*number.bytes]}
 
+    early: list[str] = []  # what comes before the response is printed after it
+    printing, is_accepted = threading.Lock(), False
+
     def feedback(message: Any) -> None:
         if bytes(message.goal_id.uuid) == number.bytes:
-            print(f"Feedback:\n    {_text(message.feedback)}", flush=True)
+            text = f"Feedback:\n    {_text(message.feedback)}"
+            with printing:
+                if is_accepted:
+                    print(text, flush=True)
+                else:
+                    early.append(text)
 
     if options.feedback:
         client.subscribe(f"{name}/_action/feedback", feedback)
     if not client.call(f"{name}/_action/send_goal", {"goal_id": goal_id, "goal": goal}).accepted:
         print("Goal was rejected.")
         return 0
-    print(f"Goal accepted with ID: {number.hex}\n", flush=True)
+    with printing:
+        is_accepted = True
+        print(f"Goal accepted with ID: {number.hex}\n", *early, sep="\n", flush=True)
     try:
         response = client.call(f"{name}/_action/get_result", {"goal_id": goal_id})
     except KeyboardInterrupt:
