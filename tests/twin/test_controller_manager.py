@@ -53,7 +53,8 @@ def is_possible(states, activate, deactivate):
         held |= CLAIMS[name]
     for above, below in BELOW.items():
         stays = above not in deactivate if above in active else above in activate  # 4089, 4074
-        if below in deactivate and stays:
+        starts_again = above in active and above in activate and below not in activate  # on what is not there then
+        if below in deactivate and (stays or starts_again):
             return False
     return True
 
