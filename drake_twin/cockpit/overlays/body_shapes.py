@@ -1,11 +1,12 @@
 """Shapes that move with bodies of the plant."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from math import inf
 from typing import NamedTuple
 
 from pydrake.geometry import Rgba, Shape
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import BodyIndex
+from pydrake.multibody.tree import BodyIndex, SpatialInertia
 
 from drake_twin.cockpit.overlays.body_folders import BodyFolders
 from drake_twin.cockpit.scene import Scene
@@ -53,3 +54,14 @@ class BodyShapes:
     def remove(self) -> None:
         """Remove the shapes."""
         self._folders.remove()
+
+
+def bodies_with_mass(twin: Twin) -> Iterator[tuple[BodyIndex, SpatialInertia]]:
+    """Yield each body B with mass, and its spatial inertia M_BBo_B."""
+    plant = twin.plant
+    context = plant.GetMyContextFromRoot(twin.context)
+    for number in range(1, plant.num_bodies()):  # 0 is the world
+        body = plant.get_body(BodyIndex(number))
+        M_BBo_B = body.CalcSpatialInertiaInBodyFrame(context)
+        if 0.0 < M_BBo_B.get_mass() < inf:
+            yield body.index(), M_BBo_B

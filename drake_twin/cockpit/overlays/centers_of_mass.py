@@ -1,15 +1,14 @@
 """Where the mass is: a ball for each link, and one for each robot as a whole."""
 
 from collections.abc import Iterator
-from math import inf, pi
+from math import pi
 
 import numpy as np
 from pydrake.geometry import Rgba, Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import BodyIndex
 
 from drake_twin.cockpit.overlay import overlay
-from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
+from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes, bodies_with_mass
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.twin.twin import Twin
 
@@ -52,14 +51,8 @@ class CentersOfMass(BodyShapes):
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:
-    plant = twin.plant
-    context = plant.GetMyContextFromRoot(twin.context)
-    for number in range(1, plant.num_bodies()):  # 0 is the world
-        body = plant.get_body(BodyIndex(number))
-        M_BBo_B = body.CalcSpatialInertiaInBodyFrame(context)
-        if 0.0 < M_BBo_B.get_mass() < inf:
-            ball = Sphere(_radius(M_BBo_B.get_mass()))
-            yield BodyShape(body.index(), RigidTransform(M_BBo_B.get_com()), ball, _LINK)
+    for body, M_BBo_B in bodies_with_mass(twin):
+        yield BodyShape(body, RigidTransform(M_BBo_B.get_com()), Sphere(_radius(M_BBo_B.get_mass())), _LINK)
 
 
 def _radius(mass: float) -> float:

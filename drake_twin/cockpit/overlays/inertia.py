@@ -1,13 +1,11 @@
 """The mass distribution of each body, as an ellipsoid of the same inertia."""
 
 from collections.abc import Iterator
-from math import inf
 
 from pydrake.geometry import Ellipsoid, Rgba
-from pydrake.multibody.tree import BodyIndex
 
 from drake_twin.cockpit.overlay import overlay
-from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
+from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes, bodies_with_mass
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.twin.twin import Twin
 
@@ -24,13 +22,7 @@ class Inertia(BodyShapes):
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:
-    plant = twin.plant
-    context = plant.GetMyContextFromRoot(twin.context)
-    for number in range(1, plant.num_bodies()):  # 0 is the world
-        body = plant.get_body(BodyIndex(number))
-        M_BBo_B = body.CalcSpatialInertiaInBodyFrame(context)
-        if not 0.0 < M_BBo_B.get_mass() < inf:
-            continue
+    for body, M_BBo_B in bodies_with_mass(twin):
         radii, X_BE = M_BBo_B.CalcPrincipalSemiDiametersAndPoseForSolidEllipsoid()
         a, b, c = (max(float(radius), _THINNEST) for radius in radii)
-        yield BodyShape(body.index(), X_BE, Ellipsoid(a, b, c), _COLOR)
+        yield BodyShape(body, X_BE, Ellipsoid(a, b, c), _COLOR)
