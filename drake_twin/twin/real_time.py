@@ -1,6 +1,7 @@
 """The run loop: wall time grants simulation time, frame by frame."""
 
 import time as wall_clock
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import floor, inf
@@ -15,6 +16,8 @@ from drake_twin.twin.twin_clock import TwinClock
 _FRAME = 1 / 30  # s of wall time between two frames
 _SLICES = 7  # of a frame while other programs use the inbox: none longer than 5 ms
 _MOST_STEPS_A_FRAME = 10_000
+_LONGEST = 2 * _FRAME  # s of wall time that a frame's steps may take: a slow twin has shorter frames, not fewer
+_LAST = 3  # frames whose fastest tells what a step takes
 _MOST_BEHIND = 0.25  # s of wall time that is caught up after the processor was busy elsewhere, as with a browser
 _SLICE = 0.01  # s of simulation time between two looks at the wall clock in a run that never waits
 
@@ -82,6 +85,7 @@ def _run(
 ) -> None:
     frame_start = wall_clock.perf_counter()
     owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
+    costs = deque[float](maxlen=_LAST)  # s of wall time of a step
     while _begin_frame(twin, until, each_frame):
         twin.draw()
         if as_fast_as_possible and not twin.clock.paused:
@@ -91,11 +95,15 @@ def _run(
         for _ in range(slices):
             if not twin.clock.paused:
                 owed += _FRAME / slices * twin.clock.real_time_rate
-                steps = min(floor(owed / twin.clock.time_step + 1e-9), _MOST_STEPS_A_FRAME)
+                most = _LONGEST / slices / max(min(costs, default=0.0), 1e-9)
+                steps = min(floor(owed / twin.clock.time_step + 1e-9), max(1, int(most)), _MOST_STEPS_A_FRAME)
                 left = owed - steps * twin.clock.time_step
                 owed = min(left, twin.clock.time_step)
                 twin.frames.miss(left - owed, twin.time)
+                begin = wall_clock.perf_counter()
                 _advance_by(twin, steps, until)
+                if steps:
+                    costs.append((wall_clock.perf_counter() - begin) / steps)
             if twin.inbox.is_open:
                 twin.inbox.work()
             due, latest = frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND

@@ -39,9 +39,11 @@ export class Capture {
       return;
     }
     const parts = [];
+    const end = this.tools.drawWhole(); // a film's pictures are of one size
     this.recorder = new MediaRecorder(this.tools.picture().captureStream(FRAMES), { mimeType: kind });
     this.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
     this.recorder.addEventListener("stop", () => {
+      end();
       this.recorder = null;
       setText(this.video, "Video");
       save(new Blob(parts, { type: kind }), `drake_twin.${kind.includes("mp4") ? "mp4" : "webm"}`);

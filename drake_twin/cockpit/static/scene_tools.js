@@ -318,8 +318,15 @@ class SceneTools {
 
   // The canvas, with the present picture on it until the next frame.
   picture() {
+    const end = this.drawWhole();
     viewer.render();
+    end();
     return viewer.renderer.domElement;
+  }
+
+  // Draw each pixel, however long it takes, until the function that is returned is called.
+  drawWhole() {
+    return viewer.drawWhole();
   }
 
   // Draw a line through points of the world (m) over all else; without points, none.
@@ -354,13 +361,13 @@ class SceneTools {
       if (now.has(material)) continue;
       material.emissive.copy(own);
       this.glowing.delete(material);
-      viewer.set_dirty();
+      viewer.redraw();
     }
     for (const material of now) {
       if (this.glowing.has(material)) continue;
       this.glowing.set(material, material.emissive.clone());
       material.emissive.copy(GLOW);
-      viewer.set_dirty();
+      viewer.redraw();
     }
   }
 }

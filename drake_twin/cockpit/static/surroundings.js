@@ -2,6 +2,9 @@
 "use strict";
 {
   const { THREE } = MeshCat;
+  const gl = viewer.renderer.getContext();
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  const isSoftware = /swiftshader|llvmpipe|software/i.test(names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "");
   const SUN = new THREE.Vector3(0.5, -0.1, 0.9).normalize(); // towards the sun, in the world: as in Gazebo's worlds
   const LIT = { sky: 1.25, sun: 1.9 }; // π in all: what faces the sun has its file's color
   const FIELD = 50; // °, of view from below to above
@@ -13,12 +16,11 @@
   const [CLOSE, AFAR] = [0.4, 60]; // m: where the grid is ten times finer and coarser
   const SIDE = 4000; // m, of the ground
   const SHADOWED = { least: 0.1, most: 60, times: 0.6 }; // m around the camera's target, that far from it
+  const CLOSED = ["BoxGeometry", "SphereGeometry", "CylinderGeometry"]; // whose insides nobody sees
+  const TEXELS = isSoftware ? 1024 : 2048; // along each side of the shadows
   const OPAQUE = 0.5; // what is less so has no shadow
   const GLOSS = { most: 0.025, least: 0.004 }; // of the light that dark and bright paint reflects
 
-  const gl = viewer.renderer.getContext();
-  const names = gl.getExtension("WEBGL_debug_renderer_info");
-  const isSoftware = /swiftshader|llvmpipe|software/i.test(names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "");
   const theme = matchMedia("(prefers-color-scheme: dark)");
   const seen = { value: SEEN.least };
   const shade = { value: 1 };
@@ -31,9 +33,9 @@
   const sky = new THREE.HemisphereLight(0xffffff, 0x9a958c);
   const sun = new THREE.DirectionalLight(0xfffaf0);
   sun.castShadow = true;
-  sun.shadow.mapSize.setScalar(isSoftware ? 1024 : 2048);
   sky.position.set(0, 0, 1);
   viewer.scene.add(sky, sun, sun.target); // its axes are the world's
+  viewer.lights = { sky, sun };
   viewer.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
   if (isSoftware) {
     // Nine texels with the weights of a quadratic spline in place of 25: half of a picture's time went there.
@@ -128,6 +130,7 @@
       part.receiveShadow = true;
       part.castShadow = part.material.opacity > OPAQUE;
       part.material.shadowSide = THREE.BackSide; // a lit side has no shadow of its own
+      if (CLOSED.includes(part.geometry.type) && !part.geometry.parameters.openEnded && !part.material.transparent) part.material.side = THREE.FrontSide;
       if (part.userData.isGround) lay(part);
       else if (part.material.isMeshPhongMaterial) {
         const { r, g, b } = part.material.color;
@@ -144,6 +147,8 @@
     return setObject.call(this, path, object, ...more);
   };
 
+  let pictures = 0;
+
   // Let the camera see as far as it looks from, and the sun shine where it looks.
   function look() {
     const { camera, controls } = viewer;
@@ -153,9 +158,20 @@
     camera.near = THREE.MathUtils.clamp(distance / 200, 0.002, 0.1);
     camera.far = Math.max(1.2 * seen.value, 4 * distance);
     const reach = THREE.MathUtils.clamp(SHADOWED.times * distance, SHADOWED.least, SHADOWED.most);
+    viewer.shadowed = { target: controls.target, reach };
     viewer.scene.worldToLocal(sun.target.position.copy(controls.target));
     sun.position.copy(sun.target.position).addScaledVector(SUN, 3 * reach);
     const { camera: eye, mapSize } = sun.shadow;
+    const { shadowMap } = viewer.renderer;
+    shadowMap.autoUpdate = (viewer.sharpness ?? 1) === 1;
+    shadowMap.needsUpdate = pictures++ % 2 === 0; // where pictures come slowly, each second one
+    const texels = TEXELS * (viewer.sharpness ?? 1);
+    if (mapSize.x !== texels) {
+      mapSize.setScalar(texels);
+      sun.shadow.map?.dispose();
+      sun.shadow.map = null;
+      eye.right = 0;
+    }
     if (eye.right !== reach) {
       Object.assign(eye, { left: -reach, right: reach, bottom: -reach, top: reach, near: 0.1 * reach, far: 6 * reach });
       eye.updateProjectionMatrix();

@@ -6,8 +6,8 @@ viewer.animate = () => {
   if (viewer.needs_render) viewer.render();
 };
 function animate() {
+  requestAnimationFrame(animate); // first: a picture that fails is not the last
   viewer.animate();
-  requestAnimationFrame(animate);
 }
 requestAnimationFrame(animate);
 
