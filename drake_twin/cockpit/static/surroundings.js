@@ -15,7 +15,8 @@
   const SEEN = { least: 60, most: 900, times: 25 }; // m: how far the ground is seen, from a camera that far from its target
   const [CLOSE, AFAR] = [0.4, 60]; // m: where the grid is ten times finer and coarser
   const SIDE = 4000; // m, of the ground
-  const SHADOWED = { least: 0.15, most: 60, times: 1.1 }; // m around the camera's target, that far from it
+  const ENDLESS = 100; // m, of sides from which on a plane is that of a world, which has no end
+  const SHADOWED = { least: 0.15, most: 60, times: 1.3, ahead: 0.5, step: 0.25 }; // m around the camera's target, that far from it; of that, behind the target
   const CLOSED = ["BoxGeometry", "SphereGeometry", "CylinderGeometry"]; // whose insides nobody sees
   const TEXELS = isSoftware ? 1024 : 2048; // along each side of the shadows
   const OPAQUE = 0.5; // what is less so has no shadow
@@ -113,7 +114,7 @@
   // Lay a ground where a plate is drawn for it.
   function lay(plate) {
     const { width, height, depth } = plate.geometry.parameters;
-    const sides = plate.userData.isEndless ? [SIDE, SIDE] : [width, height];
+    const sides = plate.userData.isEndless || Math.min(width, height) >= ENDLESS ? [SIDE, SIDE] : [width, height];
     plate.geometry.dispose();
     plate.geometry = new THREE.PlaneGeometry(...sides).translate(0, 0, depth / 2);
     plate.material = groundMaterial(plate.material, plate.matrixWorld.clone());
@@ -164,8 +165,10 @@
     camera.near = THREE.MathUtils.clamp(distance / 200, 0.002, 0.1);
     camera.far = Math.max(1.2 * seen.value, 4 * distance);
     const reach = THREE.MathUtils.clamp(SHADOWED.times * distance, SHADOWED.least, SHADOWED.most);
-    viewer.shadowed = { target: controls.target, reach };
-    viewer.scene.worldToLocal(sun.target.position.copy(controls.target));
+    const middle = camera.getWorldDirection(new THREE.Vector3()).setY(0).multiplyScalar(SHADOWED.ahead * reach).add(controls.target);
+    middle.divideScalar(SHADOWED.step * reach).round().multiplyScalar(SHADOWED.step * reach); // else edges crawl with the camera
+    viewer.shadowed = { target: middle, reach };
+    viewer.scene.worldToLocal(sun.target.position.copy(middle));
     sun.position.copy(sun.target.position).addScaledVector(SUN, 3 * reach);
     const { camera: eye, mapSize } = sun.shadow;
     const { shadowMap } = viewer.renderer;
@@ -177,9 +180,9 @@
       sun.shadow.map = null;
       eye.right = 0;
     }
-    const isElsewhere = eye.right !== reach || !lit.equals(controls.target);
+    const isElsewhere = eye.right !== reach || !lit.equals(middle);
     shadowMap.needsUpdate = isElsewhere || pictures++ % 2 === 0; // where pictures come slowly, each second one
-    lit.copy(controls.target);
+    lit.copy(middle);
     if (eye.right !== reach) {
       Object.assign(eye, { left: -reach, right: reach, bottom: -reach, top: reach, near: 0.1 * reach, far: 6 * reach });
       eye.updateProjectionMatrix();
