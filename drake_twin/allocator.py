@@ -1,8 +1,8 @@
 """The C library's allocator, as a program that simulates wants it.
 
-A step of Drake's discrete engine takes and gives back thousands of small blocks, and glibc keeps seven of a size at hand.
-With two hundred the same steps take a tenth to a quarter less time, and the process 1 MB more; no number changes. Only the
-environment of a process that starts can ask for it, so such a program starts once more, which takes 15 ms.
+A step of Drake's discrete engine takes and gives back thousands of small blocks, and glibc keeps seven of a size at
+hand. With two hundred the same steps take a tenth to a quarter less time, and the process 1 MB more; no number changes.
+Only the environment of a process that starts can ask for it, so such a program starts once more, which takes 15 ms.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ def description() -> str:
 
 
 def start_again() -> None:
-    """Replace this process by the same program with more blocks kept, if it simulates and nobody has chosen otherwise."""
+    """Start a program that simulates once more, with more blocks kept, if nobody has chosen otherwise."""
     tunables = os.environ.get(_TUNABLES, "")
     is_chosen = _KEPT in tunables or "malloc" in os.environ.get("LD_PRELOAD", "")
     if is_chosen or os.environ.get(OPT_OUT) == "system" or not (_is_glibc() and _simulates(sys.orig_argv[1:])):
