@@ -17,7 +17,7 @@
   let isStale = true; // something was drawn or deleted
 
   function hash(values) {
-    const bits = new Uint32Array(values.buffer, values.byteOffset, values.byteLength >> 2);
+    const bits = values.byteLength % 4 || values.byteOffset % 4 ? values : new Uint32Array(values.buffer, values.byteOffset, values.byteLength >> 2);
     let [one, other] = [0x811c9dc5, 0x9e3779b9];
     for (let index = 0; index < bits.length; index++) {
       one = Math.imul(one ^ bits[index], 0x01000193);
@@ -29,22 +29,24 @@
   function lookOf(geometry) {
     if (!looks.has(geometry)) {
       const { type, parameters, attributes, index } = geometry;
-      const arrays = () => [index, ...Object.values(attributes)].map((each) => (each?.array.byteLength % 4 === 0 ? hash(each.array) : geometry.uuid));
+      const arrays = () => [index, ...Object.values(attributes)].map((each) => each && hash(each.array));
       looks.set(geometry, `${type} ${parameters ? JSON.stringify(parameters) : [Object.keys(attributes), ...arrays()]}`);
     }
     return looks.get(geometry);
   }
 
   function kindOf({ geometry, material }) {
-    const { color, emissive, specular, shininess, side, vertexColors, map } = material;
+    const { color, emissive, specular, shininess, side, vertexColors, flatShading, wireframe, alphaTest } = material;
     const hexes = [color, emissive, specular].map((each) => each.getHex());
-    return [...hexes, shininess, side, vertexColors, map?.uuid, lookOf(geometry)].join();
+    const textures = Object.entries(material).map(([use, each]) => (each?.isTexture ? use + each.uuid : ""));
+    return [...hexes, shininess, side, vertexColors, flatShading, wireframe, alphaTest, ...textures, lookOf(geometry)].join();
   }
 
   // What is mirrored has its faces the other way round, and what is behind translucent parts is drawn by distance.
   function canShare({ isMesh, userData, geometry, material, matrixWorld }) {
     const isSmall = isMesh && !userData.isGround && geometry.attributes.position?.count <= SMALL;
-    return isSmall && material.isMeshPhongMaterial && !material.transparent && matrixWorld.determinant() > 0;
+    const isPlain = isSmall && Object.values(geometry.attributes).every((each) => each.isBufferAttribute);
+    return isPlain && material.isMeshPhongMaterial && !material.transparent && matrixWorld.determinant() > 0;
   }
 
   function gather() {
@@ -63,7 +65,7 @@
   // What draws these parts, from tiny ones to those as they are; each with the largest radius, in pixels, that it draws.
   function levelsOf(parts) {
     const [{ geometry, material }] = parts;
-    const light = material.emissive.getHex() ? material : lightly(material);
+    const light = material.emissive.getHex() || !geometry.attributes.normal ? material : lightly(material);
     const level = (shape, segments) => {
       const most = segments ? ERROR / (1 - Math.cos(Math.PI / segments)) : Infinity;
       return { ...drawTogether(shape, most <= TINY ? light : material, parts.length), most };
@@ -74,26 +76,29 @@
   }
 
   // A material with the scene's light, computed at vertices: less than half the cost where triangles are as small as pixels.
-  function lightly({ color, vertexColors, map, side, shadowSide }) {
-    const light = new THREE.MeshBasicMaterial({ color, vertexColors, map, side, shadowSide });
+  function lightly({ color, vertexColors, map, alphaTest, side, shadowSide, specular }) {
+    const light = new THREE.MeshBasicMaterial({ color, vertexColors, map, alphaTest, side, shadowSide });
+    light.userData.gloss = specular.r;
     light.onBeforeCompile = shineAtVertices;
     return light;
   }
 
   function shineAtVertices(shader) {
-    Object.assign(shader.uniforms, lights);
+    Object.assign(shader.uniforms, lights, { uMirrored: viewer.lights.mirrored, uGloss: { value: this.userData.gloss } });
     shader.vertexShader = shader.vertexShader
-      .replace("void main() {", "uniform vec3 uSky, uGround, uSun, uToSun;\nvarying vec3 vLight;\nvoid main() {")
+      .replace("void main() {", `uniform vec3 uSky, uGround, uSun, uToSun;\nuniform float uGloss;\nvarying vec3 vLight, vGloss;\n${viewer.lights.mirror}void main() {`)
       .replace(
         "#include <project_vertex>",
         `#include <project_vertex>
         mat3 turn = mat3(instanceMatrix);
         vec3 upright = normalize(turn * (normal / vec3(dot(turn[0], turn[0]), dot(turn[1], turn[1]), dot(turn[2], turn[2]))));
-        vLight = mix(uGround, uSky, 0.5 + 0.5 * upright.y) + uSun * max(dot(upright, uToSun), 0.0);`,
+        vLight = mix(uGround, uSky, 0.5 + 0.5 * upright.y) + uSun * max(dot(upright, uToSun), 0.0);
+        vGloss = mirror(uGloss, normalize(-mvPosition.xyz), normalize(mat3(viewMatrix) * upright));`,
       );
     shader.fragmentShader = shader.fragmentShader
-      .replace("void main() {", "varying vec3 vLight;\nvoid main() {")
-      .replace("#include <color_fragment>", "#include <color_fragment>\ndiffuseColor.rgb *= vLight;");
+      .replace("void main() {", "varying vec3 vLight, vGloss;\nvoid main() {")
+      .replace("#include <color_fragment>", "#include <color_fragment>\ndiffuseColor.rgb *= vLight;")
+      .replace("#include <envmap_fragment>", "outgoingLight += vGloss;");
   }
 
   const lights = { uSky: { value: new THREE.Color() }, uGround: { value: new THREE.Color() }, uSun: { value: new THREE.Color() }, uToSun: { value: new THREE.Vector3() } };
@@ -135,12 +140,12 @@
   function copies(geometry, count) {
     const many = new THREE.BufferGeometry();
     const vertices = geometry.attributes.position.count;
-    const repeat = (array, item) => {
+    const repeat = ({ array, itemSize, normalized }) => {
       const all = new array.constructor(array.length * count);
       for (let copy = 0; copy < count; copy++) all.set(array, copy * array.length);
-      return new THREE.BufferAttribute(all, item);
+      return new THREE.BufferAttribute(all, itemSize, normalized);
     };
-    for (const [name, { array, itemSize }] of Object.entries(geometry.attributes)) many.setAttribute(name, repeat(array, itemSize));
+    for (const [name, attribute] of Object.entries(geometry.attributes)) many.setAttribute(name, repeat(attribute));
     const parts = Float32Array.from({ length: vertices * count }, (_, vertex) => Math.floor(vertex / vertices));
     many.setAttribute("part", new THREE.BufferAttribute(parts, 1));
     const own = geometry.index?.array ?? Array.from({ length: vertices }, (_, vertex) => vertex);
@@ -202,9 +207,10 @@
     }
   }
 
+  // Whether a part is in the scene and visible; a preview that is over is not.
   function isShown(object) {
-    for (let each = object; each; each = each.parent) if (!each.visible) return false;
-    return true;
+    for (let each = object; each?.visible; each = each.parent) if (each === viewer.scene) return true;
+    return false;
   }
 
   // Draw again after materials have changed.
@@ -228,6 +234,7 @@
   const { renderer } = viewer;
   const { render } = renderer;
   renderer.render = function (scene, camera) {
+    if (scene !== viewer.scene) return render.call(renderer, scene, camera); // such as the sky's, for what it lights
     scene.updateMatrixWorld();
     if (!camera.parent) camera.updateMatrixWorld();
     if (isStale) gather();
