@@ -14,7 +14,7 @@ from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panels, make_overlay, make_panel, watch_panels
+from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panel, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
 from drake_twin.cockpit.past_drawings import PastDrawings
@@ -157,7 +157,8 @@ class Cockpit:
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
         looked = self._timeline.draw(wall_clock.perf_counter())
-        self._try(draw_panels, self.panels, self._scene, self._clock.time if looked is None else looked)
+        for each in self.panels.values():
+            self._try(draw_panel, each, self._scene, self._clock.time if looked is None else looked)
         if looked is not None:
             return
         frame = self._scene.frame(self._twin)
