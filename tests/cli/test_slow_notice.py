@@ -10,7 +10,8 @@ from drake_twin.scenario import World
 from drake_twin.twin.step_costs import step_costs
 
 BOX = """<sdf version="1.9"><world name="w"><model name="ground"><static>true</static><link name="l">
-<collision name="c"><geometry><plane><normal>0 0 1</normal><size>9 9</size></plane></geometry></collision></link></model>
+<collision name="c"><geometry><plane><normal>0 0 1</normal><size>9 9</size></plane></geometry></collision>
+</link></model>
 <model name="crate"><pose>5 0 0.1 0 0 0</pose><link name="l"><inertial><mass>1</mass>
 <inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>
 <collision name="c"><geometry><box>
