@@ -111,6 +111,9 @@ if not TYPE_CHECKING:  # else every name that is not there would have the type A
                     return getattr(import_module(f"drake_twin.{module}"), name)
         raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
 
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})
+
 
 def _refuse(kind: type[BaseException], error: BaseException, traceback: Any) -> None:
     """End a program whose modules cannot be imported with one paragraph and the exit code 2."""

@@ -34,6 +34,9 @@ examples:
   python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3
   python -m drake_twin.run --robots 2 --world path/to/some.world
   python -m drake_twin.run --robots 2 --duration 10 --plot run.png
+  python -m drake_twin.run --robots 2 --duration 10 --headless --record film.mp4
+  python -m drake_twin.run --robots 2 --duration 10 --headless --bag first
+  python -m drake_twin.run --robots 2 --compare first
   python -m drake_twin.run --robots 2 --viewer tcp://127.0.0.1:6000"""
 
 
