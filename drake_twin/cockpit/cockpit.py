@@ -14,13 +14,14 @@ from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panels, make_overlay, make_panel, watch_panels
+from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panel, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
+from drake_twin.cockpit.past_drawings import PastDrawings
 from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
-from drake_twin.cockpit.scene import Scene
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.cockpit.sensor_view import SensorView
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import layout_key, state, structure
@@ -92,8 +93,9 @@ class Cockpit:
             server.offer(f"panel_{name}.js", panel.script)
         self._camera = FollowCamera(scene)
         make_sensors = partial(SensorView, twin) if player is None else player.sensors
-        self.sensors = make_sensors(scene, server.send_bytes)
-        self._timeline = Timeline(twin, scene)
+        self._past = PastDrawings(lambda: twin.time, scene, server.send_bytes)
+        self.sensors = make_sensors(scene, self._past.send_picture)
+        self._timeline = Timeline(twin, scene, self._past)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._looks = Looks()
@@ -114,6 +116,7 @@ class Cockpit:
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
+        self._past.close()
         watch_panels(self.panels, False)
         close_panels(self.panels)
         self._camera.follow("", self._twin)
@@ -154,7 +157,8 @@ class Cockpit:
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
         looked = self._timeline.draw(wall_clock.perf_counter())
-        self._try(draw_panels, self.panels, self._scene, self._clock.time if looked is None else looked)
+        for each in self.panels.values():
+            self._try(draw_panel, each, self._scene, self._clock.time if looked is None else looked)
         if looked is not None:
             return
         frame = self._scene.frame(self._twin)
@@ -198,6 +202,8 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+                if not on:
+                    self._past.forget(f"{OVERLAYS}/measured/{sensor}")
             case protocol.ColorSensor(sensor, by):
                 self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
@@ -310,6 +316,7 @@ class Cockpit:
             self._timeline.tell(self._overlays[name])
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
+            self._past.forget(f"{OVERLAYS}/{name}")
 
     def _ask_panel(self, name: str, data: str) -> None:
         if name not in self.panels:

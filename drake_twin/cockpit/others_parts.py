@@ -30,10 +30,9 @@ def watch_panels(panels: Mapping[str, Panel], is_watched: bool) -> None:
         getattr(panel, "watch", lambda _: None)(is_watched)
 
 
-def draw_panels(panels: Mapping[str, Panel], scene: Scene, time: float) -> None:
-    """Let the panels draw that have something in the scene, which shows a time (s)."""
-    for panel in panels.values():
-        getattr(panel, "draw", lambda *_: None)(scene, time)
+def draw_panel(panel: Panel, scene: Scene, time: float) -> None:
+    """Let a panel draw what it has in the scene, which shows a time (s)."""
+    getattr(panel, "draw", lambda *_: None)(scene, time)
 
 
 def close_panels(panels: Mapping[str, Panel]) -> None:

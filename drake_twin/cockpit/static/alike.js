@@ -9,6 +9,7 @@
   const ERROR = 0.35; // pixels by which fewer segments may be seen
   const TINY = 11; // pixels of radius up to which parts have no gloss and no shadows on them
   const SHADOWED = 3.5; // times half the width of the sun's shadows: what is farther from the camera's target has none
+  const CALL = 64000; // vertices in a call at most
   const MOST = 64; // parts in a call: their places are 192 of the at least 256 vectors that shaders are given
   const PLACE = 12; // numbers of a place: three rows of a matrix
 
@@ -121,9 +122,10 @@
   // Meshes of copies of a geometry, of which `place` draws as many as are seen.
   function drawTogether(geometry, material, count) {
     if (!geometry.boundingSphere) geometry.computeBoundingSphere();
-    const shape = copies(geometry, Math.min(count, MOST));
-    const meshes = Array.from({ length: Math.ceil(count / MOST) }, () => {
-      const drawn = new THREE.Mesh(shape.clone(), material.clone());
+    const each = Math.max(1, Math.min(count, MOST, Math.floor(CALL / geometry.attributes.position.count)));
+    const shape = copies(geometry, each);
+    const meshes = Array.from({ length: Math.ceil(count / each) }, () => {
+      const drawn = new THREE.Mesh(sharing(shape), material.clone());
       drawn.customDepthMaterial = new THREE.MeshDepthMaterial({ depthPacking: THREE.RGBADepthPacking });
       drawn.places = new Float32Array(PLACE * MOST);
       placedBy(drawn.places, drawn.material, material.onBeforeCompile);
@@ -134,7 +136,14 @@
       viewer.scene.add(drawn);
       return drawn;
     });
-    return { meshes, ball: geometry.boundingSphere, indices: (geometry.index ?? geometry.attributes.position).count };
+    return { meshes, each, ball: geometry.boundingSphere, indices: (geometry.index ?? geometry.attributes.position).count };
+  }
+
+  // A geometry with the same arrays, and a range of its own.
+  function sharing({ attributes, index }) {
+    const geometry = new THREE.BufferGeometry().setIndex(index);
+    for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
+    return geometry;
   }
 
   function copies(geometry, count) {
@@ -194,13 +203,13 @@
       const radius = (pixels * ball.radius) / Math.max(eye.distanceTo(ball.center) - ball.radius, 1e-6);
       const level = levels.find(({ most }) => radius <= most);
       const { elements } = part.matrixWorld;
-      const { places } = level.meshes[Math.floor(level.count / MOST)];
-      for (let row = 0, at = PLACE * (level.count % MOST); row < 3; row++) for (let column = 0; column < 4; column++) places[at++] = elements[4 * column + row];
+      const { places } = level.meshes[Math.floor(level.count / level.each)];
+      for (let row = 0, at = PLACE * (level.count % level.each); row < 3; row++) for (let column = 0; column < 4; column++) places[at++] = elements[4 * column + row];
       level.count++;
     }
-    for (const { meshes, count, indices } of levels) {
+    for (const { meshes, each, count, indices } of levels) {
       meshes.forEach((mesh, number) => {
-        const left = Math.min(Math.max(count - MOST * number, 0), MOST);
+        const left = Math.min(Math.max(count - each * number, 0), each);
         mesh.visible = left > 0;
         mesh.geometry.setDrawRange(0, left * indices);
       });
