@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -103,21 +103,31 @@ def _replace_cone(cone: etree._Element) -> None:
 
 
 def _give_colors(model: etree._Element) -> None:
-    """Give each visual one colour: ``<diffuse>``, else that of Gazebo's material script, else ``<ambient>``."""
+    """Give each visual one colour: ``<diffuse>``, else that of Gazebo's material script, else ``<ambient>``.
+
+    What it emits, such as a lamp, is added.
+    """
     for visual in model.iter("visual"):
-        color = None
+        color, emitted = None, [0.0, 0.0, 0.0]
         for material in visual.findall("material"):
             script = (material.findtext("script/name") or "").strip().rpartition("/")[2]
             color = material.findtext("diffuse") or GAZEBO_COLORS.get(script) or material.findtext("ambient")
+            light = numbers_in(material.findtext("emissive"))[:3]
+            if len(light) == 3 and all(part is not None and 0 <= part < inf for part in light):
+                emitted = [part or 0.0 for part in light]
             visual.remove(material)
         transparency = number_in(visual.find("transparency")) or 0.0
         for element in visual.findall("transparency"):
             visual.remove(element)
         parts = numbers_in(color)
         if len(parts) not in (3, 4) or any(part is None or not isfinite(part) for part in parts):
-            parts = [0.7, 0.7, 0.7, 1.0] if transparency > 0 and visual.find("geometry/mesh") is None else []
+            is_mesh = visual.find("geometry/mesh") is not None  # which has colours of its own
+            parts = (
+                [] if is_mesh else [0.0, 0.0, 0.0] if any(emitted) else [0.7, 0.7, 0.7, 1.0] if transparency > 0 else []
+            )
         if parts:
-            values = [min(max(part or 0.0, 0.0), 1.0) for part in parts] + [1.0] * (4 - len(parts))
+            values = [part or 0.0 for part in parts] + [1.0] * (4 - len(parts))
+            values = [min(max(part, 0.0) + more, 1.0) for part, more in zip(values, [*emitted, 0.0], strict=True)]
             values[3] *= 1 - min(max(transparency, 0.0), 1.0)
             diffuse = etree.SubElement(etree.SubElement(visual, "material"), "diffuse")
             diffuse.text = " ".join(f"{value:g}" for value in values)

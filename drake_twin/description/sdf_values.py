@@ -28,7 +28,7 @@ _OF_PARENT: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "dynamics": dict.fromkeys(("damping", "friction", "spring_reference", "spring_stiffness"), _ONE),
     "axis": {"xyz": _THREE},
     "axis2": {"xyz": _THREE},
-    "material": {"diffuse": _COLOR, "ambient": _COLOR},
+    "material": {"diffuse": _COLOR, "ambient": _COLOR, "emissive": _COLOR},
     "sensor": {"update_rate": _ONE},
     # Of lights only where they are empty: `surroundings` reports other words.
     "light": {"diffuse": _COLOR, "direction": _THREE, "intensity": _ONE},

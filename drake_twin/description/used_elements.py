@@ -118,7 +118,7 @@ SDF_MODEL = _part(
         "gravity self_collide",
         pose=_POSE,
         inertial=_part(texts="mass", pose=_POSE, inertia=_part(texts="ixx ixy ixz iyy iyz izz")),
-        visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient")),
+        visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient emissive")),
         collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
     joint=_part("name type", "parent child thread_pitch screw_thread_pitch", pose=_POSE, axis=_AXIS, axis2=_AXIS),
@@ -139,7 +139,6 @@ NO_EFFECT_IN_WORLDS = frozenset(
     (
         *(
             "specular",
-            "emissive",
             "script",
             "shader",
             "lighting",

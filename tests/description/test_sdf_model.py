@@ -32,6 +32,9 @@ def test_a_plane_is_drawn_as_a_thin_box_of_its_size(tmp_path):
         ("<script><name>Gazebo/Red</name></script>", "", "1 0 0 1"),
         ("<ambient>0 0.5 0 1</ambient>", "", "0 0.5 0 1"),
         ("<diffuse>7 0 0</diffuse>", "<transparency>0.25</transparency>", "1 0 0 0.75"),
+        ("<diffuse>0.1 0.2 0.3 1</diffuse><emissive>0.5 0 0.9 1</emissive>", "", "0.6 0.2 1 1"),
+        ("<emissive>0 1 0 1</emissive>", "", "0 1 0 1"),
+        ("<diffuse>0.1 0.2 0.3 1</diffuse><emissive>bright</emissive>", "", "0.1 0.2 0.3 1"),
     ],
 )
 def test_a_visual_has_the_colour_that_gazebo_gives_it(tmp_path, material, transparency, expected):
