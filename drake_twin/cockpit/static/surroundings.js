@@ -15,6 +15,7 @@
   const SEEN = { least: 60, most: 900, times: 25 }; // m: how far the ground is seen, from a camera that far from its target
   const [CLOSE, AFAR] = [0.4, 60]; // m: where the grid is ten times finer and coarser
   const SIDE = 4000; // m, of the ground
+  const SEGMENTS = 40; // of the ground: the depth of larger triangles is not exact enough beside a floor at the same height
   const ENDLESS = 100; // m, of sides from which on a plane is that of a world, which has no end
   const SHADOWED = { least: 0.15, most: 60, times: 1.3, ahead: 0.5, step: 0.25 }; // m around the camera's target, that far from it; of that, behind the target
   const CLOSED = ["BoxGeometry", "SphereGeometry", "CylinderGeometry"]; // whose insides nobody sees
@@ -116,7 +117,7 @@
     const { width, height, depth } = plate.geometry.parameters;
     const sides = plate.userData.isEndless || Math.min(width, height) >= ENDLESS ? [SIDE, SIDE] : [width, height];
     plate.geometry.dispose();
-    plate.geometry = new THREE.PlaneGeometry(...sides).translate(0, 0, depth / 2);
+    plate.geometry = new THREE.PlaneGeometry(...sides, SEGMENTS, SEGMENTS).translate(0, 0, depth / 2);
     plate.material = groundMaterial(plate.material, plate.matrixWorld.clone());
     plate.renderOrder = -1;
     plate.castShadow = false;
