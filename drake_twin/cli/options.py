@@ -142,7 +142,10 @@ def _add_page(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     group.add_argument("--host", default="127.0.0.1", help="the address to serve the page on (default: 127.0.0.1)")
     group.add_argument(
-        "--compare", type=Path, metavar="BAG", help="lay a bag over the run on the page (under Time): ghosts, curves, differences"
+        "--compare",
+        type=Path,
+        metavar="BAG",
+        help="lay a bag over the run on the page (under Time): ghosts, curves, differences",
     )
     group.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     add_repeated(group, "--panel", "FILE", "a .py file with a panel of your own: sliders, buttons, plots, …")
