@@ -8,6 +8,7 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from weakref import WeakMethod
 
 from drake_twin.cockpit.scene import OVERLAYS, Commands, Scene
 from drake_twin.shared_viewer.meshcat_protocol import Command, delete
@@ -52,7 +53,8 @@ class PastDrawings:
         self._shown: Commands | None = None  # what is drawn while a moment is looked at
         self._at: int | None = None  # the slots that are in it
         self._forget_all()
-        self.close = scene.listen(self._note)
+        note = WeakMethod(self._note)  # the scene outlives the twin, and must not keep it
+        self.close = scene.listen(lambda commands: (heard := note()) and heard(commands))
 
     def keep(self, on: bool) -> None:
         """Begin or end to keep what is drawn."""

@@ -102,6 +102,7 @@ class Shown:
         self.cockpit = self.served.show(self.twin, **options)
         self.tabs = []
         self.faults = []
+        self.is_cut = False  # the browser tells of its attempts to connect again
         self.late = "nothing was missing on the page"
 
     def tab(self):
@@ -174,7 +175,8 @@ def show(browser, request, tmp_path):
             draw(tab)
             tab.screenshot(path=tmp_path / f"after_{number}.png")
         it.close()
-        assert it.faults == [], it.faults
+        faults = [fault for fault in it.faults if not (it.is_cut and "ws://" in fault)]
+        assert faults == [], faults
 
 
 @pytest.fixture

@@ -50,7 +50,7 @@ def bags(tmp_path_factory):
 @pytest.fixture
 def reach(browser, show, tmp_path, request):
     """Shows a state of the page; returns what runs it, and the tab."""
-    played, lost = [], []
+    played = []
 
     def reach_(name):
         state = STATES[name]
@@ -64,13 +64,9 @@ def reach(browser, show, tmp_path, request):
             it, tab = show(SHOWN[state.of](tmp_path).scenario())
         state.enter(it, tab)
         it.frames(lambda: tab.locator("#connection:visible").count() == (name == LOST))
-        if name == LOST:
-            lost.append(it)
         return it, tab
 
     yield reach_
-    for it in lost:
-        it.faults.clear()  # the browser's own lines about attempts to connect again
     for it in played:
         it.close()
 
@@ -277,5 +273,6 @@ def _(it, tab):
 def _(it, tab):
     unfold(tab)
     it.frames(lambda: tab.locator(".robot").count() == 2)
+    it.is_cut = True
     it.served.server.close()
     tab.locator("#connection").wait_for(state="visible")

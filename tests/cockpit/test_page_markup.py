@@ -9,6 +9,7 @@ from browser import BROWSER_TESTS, browser, folder, open_tab, show
 from show_menu import press
 
 from drake_twin import TwinBuilder
+from drake_twin.cockpit.overlay import OVERLAY_KINDS
 
 pytestmark = BROWSER_TESTS
 
@@ -43,10 +44,22 @@ def test_markup_in_names_is_not_interpreted(show, tmp_path):
     for key in ("ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown"):
         rows.first.press(key) if key == "ArrowRight" else tab.keyboard.press(key)
         it.for_frames(3)
-    press(tab, "Names")
+    for label in ("Names", *(kind.label for kind in OVERLAY_KINDS.values())):
+        press(tab, label)
+    it.for_frames(5)
     open_tab(tab, "Robots")
     folder(tab, "made").get_by_title(f"Plot {'hinge ' + EVIL}").first.click()
     it.for_frames(20)
+    tab.locator("#spawn").press("Enter")
+    tab.get_by_label("Robot file").fill(EVIL)
+    tab.get_by_label("Name", exact=True).fill(EVIL)
+    tab.get_by_role("button", name="Spawn", exact=True).press("Enter")
+    it.frames(lambda: EVIL in tab.locator("#spawn-message").inner_text())
+    tab.keyboard.press("Escape")
+    tab.keyboard.press("Control+k")
+    tab.keyboard.type("onerror")
+    it.frames(lambda: tab.locator("#palette li", has_text=EVIL).count() > 1)
+    tab.keyboard.press("Escape")
     assert EVIL in tab.locator("#panel").inner_text()
     assert tab.locator("img[src='x'], img[onerror]").count() == 0
     assert tab.locator("body").get_attribute("data-evil") is None

@@ -196,3 +196,54 @@ def test_what_cannot_be_compared_is_said(play, bags, tmp_path):
     it.tab.get_by_label("Bag to compare with").fill(str(tmp_path / "nothing"))
     it.tab.get_by_role("button", name="Lay over").press("Enter")
     it.frames(lambda: "the bag does not exist" in it.tab.locator(".compare-panel [role=alert]").inner_text())
+
+
+EVIL = "<img src=x onerror=document.body.dataset.evil=1>"
+
+
+def hostile_messages():
+    """A cart whose frames, joints, topics and log have markup in their names."""
+    for topic, kind, time, message in seen_messages():
+        if kind == "tf2_msgs/msg/TFMessage":
+            for transform in message.transforms:
+                if transform.child_frame_id not in ("base", "mast"):
+                    transform.child_frame_id += EVIL
+        if kind == "rcl_interfaces/msg/Log":
+            message = make(kind, {"level": 30, "name": EVIL, "msg": EVIL})
+        yield topic if topic in ("/tf", "/tf_static", "/robot_description") else f"{topic}/{EVIL}", kind, time, message
+    marked = make("sensor_msgs/msg/JointState", {"name": [EVIL], "position": np.ones(1)})
+    yield f"/marked/{EVIL}", "sensor_msgs/msg/JointState", 0.1, marked
+
+
+def test_names_with_markup_are_texts_also_in_what_is_compared(play, tmp_path):
+    messages = sorted(hostile_messages(), key=lambda item: item[2])
+    one = write(tmp_path / f"one {EVIL}", messages)
+    it = play(one)
+    tab = it.tab
+    other = write(tmp_path / f"other {EVIL}", [item for item in messages if item[1] != "sensor_msgs/msg/Image"])
+    open_tab(tab, "Sensors")
+    for each in tab.locator("#sensors [role=switch]").all():
+        each.press("Space")
+    tab.keyboard.press("y")  # frames, with their names
+    tab.locator("#messages-toggle").press("Enter")
+    row = tab.locator("#messages li", has_text=EVIL)
+    it.frames(lambda: row.count() > 0)
+    tab.evaluate(ADD, f"/marked/{EVIL}.position[{EVIL}]")
+    open_tab(tab, "Time")
+    folder = tab.get_by_label("Bag to compare with")
+    folder.fill(str(tmp_path / f"nothing {EVIL}"))
+    folder.press("Enter")
+    it.frames(lambda: EVIL in tab.locator(".compare-panel [role=alert]").inner_text())
+    folder.fill(str(other))
+    folder.press("Enter")
+    it.frames(lambda: EVIL in tab.locator(".compare-panel").inner_text() and not folder.is_visible())
+    open_tab(tab, "ROS")
+    for summary in tab.locator(".topics-panel summary").all():
+        summary.press("Enter")
+    it.frames(lambda: tab.locator(".topics button", has_text=EVIL).count() > 1)
+    tab.locator(".topics button", has_text=EVIL).first.press("Enter")
+    tab.keyboard.press("Control+k")
+    tab.keyboard.type("onerror")
+    it.frames(lambda: tab.locator("#palette li", has_text=EVIL).count() > 1)
+    for document in (tab.locator("body"), tab.frame_locator("#scene").locator("body")):
+        assert document.evaluate("body => [body.dataset.evil, body.querySelectorAll('[onerror]').length]") == [None, 0]

@@ -28,6 +28,11 @@ export class Capture {
     this.tools?.picture().toBlob((blob) => save(blob, "drake_twin.png"));
   }
 
+  // The connection has ended: a film shows no more than it has, and the panel with its button cannot be used.
+  lost() {
+    this.recorder?.stop();
+  }
+
   toggleVideo() {
     if (this.recorder) {
       this.recorder.stop();

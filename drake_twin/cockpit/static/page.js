@@ -35,7 +35,7 @@ const robots = new Robots(ask, teleop);
 const messages = new Messages();
 const camera = new Camera();
 show.add({ name: "names", label: "Names", hint: "Names above robots", key: "L", set: (on) => camera.showNames(on) });
-new Capture();
+const capture = new Capture();
 const moreViews = new MoreViews();
 const help = new Help(() => show.described());
 const layout = new Layout(() => panels.look());
@@ -71,7 +71,7 @@ connection = new Connection({
   },
   status(now) {
     status = now;
-    if (now === "closed") show.lost();
+    if (now === "closed") for (const part of [show, capture]) part.lost();
     lost = "";
     for (const id of ["transport", "timeline", "panel", "stop-all"]) $(id).inert = now !== "open";
     document.body.classList.toggle("gone", now !== "open");

@@ -6,6 +6,7 @@ export class Rows {
   // `node` scrolls; `make(index)` returns the row at a place of the list.
   constructor(node, make) {
     Object.assign(this, { node, make, count: 0, made: new Map() });
+    node.classList.add("rows");
     node.addEventListener("scroll", () => this.fill(), { passive: true });
     new ResizeObserver(() => this.fill()).observe(node);
   }
@@ -40,8 +41,9 @@ export class Rows {
       before = this.made.get(index);
     }
     const around = [...this.made.keys()].filter((index) => index < first || index >= last); // the one with the focus
-    node.style.paddingTop = `${(first - around.filter((index) => index < first).length) * height}px`;
-    node.style.paddingBottom = `${(count - last - around.filter((index) => index >= last).length) * height}px`;
+    // Not as paddings of the list, which would be as high as these then.
+    node.style.setProperty("--above", `${(first - around.filter((index) => index < first).length) * height}px`);
+    node.style.setProperty("--below", `${(count - last - around.filter((index) => index >= last).length) * height}px`);
   }
 
   // Bring the row at a place into view, and return it.
