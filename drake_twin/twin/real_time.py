@@ -17,6 +17,7 @@ _FRAME = 1 / 30  # s of wall time between two frames
 _SLICES = 7  # of a frame while other programs use the inbox: none longer than 5 ms
 _MOST_STEPS_A_FRAME = 10_000
 _LONGEST = 2 * _FRAME  # s of wall time that a frame's steps may take: a slow twin has shorter frames, not fewer
+_SHARE = 3  # of a frame's steps to all else in it, at least, whatever they take
 _LAST = 3  # frames whose fastest tells what a step takes
 _MOST_BEHIND = 0.25  # s of wall time that is caught up after the processor was busy elsewhere, as with a browser
 _SLICE = 0.01  # s of simulation time between two looks at the wall clock in a run that never waits
@@ -86,8 +87,10 @@ def _run(
     frame_start = wall_clock.perf_counter()
     owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
     costs = deque[float](maxlen=_LAST)  # s of wall time of a step
+    begin = frame_start
     while _begin_frame(twin, until, each_frame):
         twin.draw()
+        longest = max(_LONGEST, _SHARE * (wall_clock.perf_counter() - begin))
         if as_fast_as_possible and not twin.clock.paused:
             _advance_for(twin, _FRAME, until)
             continue
@@ -95,15 +98,15 @@ def _run(
         for _ in range(slices):
             if not twin.clock.paused:
                 owed += _FRAME / slices * twin.clock.real_time_rate
-                most = _LONGEST / slices / max(min(costs, default=0.0), 1e-9)
+                most = longest / slices / max(min(costs, default=0.0), 1e-9)
                 steps = min(floor(owed / twin.clock.time_step + 1e-9), max(1, int(most)), _MOST_STEPS_A_FRAME)
                 left = owed - steps * twin.clock.time_step
                 owed = min(left, twin.clock.time_step)
                 twin.frames.miss(left - owed, twin.time)
-                begin = wall_clock.perf_counter()
+                start = wall_clock.perf_counter()
                 _advance_by(twin, steps, until)
                 if steps:
-                    costs.append((wall_clock.perf_counter() - begin) / steps)
+                    costs.append((wall_clock.perf_counter() - start) / steps)
             if twin.inbox.is_open:
                 twin.inbox.work()
             due, latest = frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND
@@ -111,6 +114,7 @@ def _run(
                 twin.frames.miss((latest - due) * twin.clock.real_time_rate, twin.time)
             frame_start = max(due, latest)
             _wait_until(twin, frame_start)
+        begin = wall_clock.perf_counter()
     twin.draw()
 
 

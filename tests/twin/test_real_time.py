@@ -113,3 +113,16 @@ def test_one_frame_that_is_late_is_made_up_for(monkeypatch):
     found = frames_of(twin, clock, 1.0)
     assert found[-1, 0] - found[-1, 1] < 0.05
     assert twin.frames.missed == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_a_frame_does_besides_takes_a_quarter_of_it_at_most(monkeypatch):
+    twin = rovers(1, time_step=0.001).build()
+    clock = SlowClock(twin, monkeypatch, lambda steps: 0.01 * steps)
+    found = []
+
+    def each_frame():
+        clock.now += 0.1
+        found.append(clock.now)
+
+    twin.run(1.0, each_frame=each_frame)
+    assert np.diff(found)[3:-1] == pytest.approx(0.4, abs=0.02)
