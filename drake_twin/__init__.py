@@ -27,6 +27,10 @@ _first = "".join(sys.argv[:1])
 _is_module = _first == "-m" and any(word.startswith(("drake_twin", "-mdrake_twin")) for word in sys.orig_argv)
 _is_program = _is_module or _first.endswith("/drake-twin")
 if _is_program:
+    from drake_twin.allocator import start_again
+
+    start_again()
+
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it without a message until it can end by itself

@@ -14,13 +14,14 @@ from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.looks import Looks
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.others_parts import NO_STATE, close_panels, draw_panel, make_overlay, make_panel, watch_panels
+from drake_twin.cockpit.others_parts import NO_STATE, close_panels, drawing, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
+from drake_twin.cockpit.past_drawings import PastDrawings
 from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
-from drake_twin.cockpit.scene import Scene
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.cockpit.sensor_view import SensorView
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import layout_key, state, structure
@@ -90,17 +91,19 @@ class Cockpit:
             own = None if player is None else player.panels.get(name)
             self.panels[name] = own or make_panel(panel, twin)
             server.offer(f"panel_{name}.js", panel.script)
+        self._drawing = drawing(self.panels)
         self._camera = FollowCamera(scene)
         make_sensors = partial(SensorView, twin) if player is None else player.sensors
-        self.sensors = make_sensors(scene, server.send_bytes)
-        self._timeline = Timeline(twin, scene)
+        self._past = PastDrawings(lambda: twin.time, scene, server.send_bytes)
+        self.sensors = make_sensors(scene, self._past.send_picture)
+        self._timeline = Timeline(twin, scene, self._past)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._looks = Looks()
         self._layout = layout_key(twin)  # as the robots are at first: the page stays as it is when some come or go
         self._stepping = Stepping(twin)
         self._published_log = -1
-        self._published_timeline = ""
+        self._published_timeline: dict[str, Any] | None = None
         self._read_robots()
 
     def close(self) -> None:
@@ -114,6 +117,7 @@ class Cockpit:
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
+        self._past.close()
         watch_panels(self.panels, False)
         close_panels(self.panels)
         self._camera.follow("", self._twin)
@@ -128,12 +132,11 @@ class Cockpit:
         if not in_callback:
             self._try(self._stepping.proceed)
         self._try(self._teleop.publish)
-        if self._server.is_watched:
-            self.draw()
-        self._frame += 1
-        paused = self._twin.clock.paused if self._player is None else self._player.paused
-        factor = self._factor.note(wall_clock.perf_counter(), self._clock.time, paused=paused)
-        self._publish(factor)
+        with self._server.together():
+            if self._server.is_watched:
+                self.draw()
+            self._frame += 1
+            self._publish()
 
     def _hear(self) -> None:
         """Note in the server's thread that there are requests."""
@@ -154,8 +157,9 @@ class Cockpit:
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown, or the moment that is looked at."""
         looked = self._timeline.draw(wall_clock.perf_counter())
-        for each in self.panels.values():
-            self._try(draw_panel, each, self._scene, self._clock.time if looked is None else looked)
+        time = self._clock.time if looked is None else looked
+        for draw in self._drawing:
+            self._try(draw, self._scene, time)
         if looked is not None:
             return
         frame = self._scene.frame(self._twin)
@@ -199,6 +203,8 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+                if not on:
+                    self._past.forget(f"{OVERLAYS}/measured/{sensor}")
             case protocol.ColorSensor(sensor, by):
                 self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
@@ -311,6 +317,7 @@ class Cockpit:
             self._timeline.tell(self._overlays[name])
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
+            self._past.forget(f"{OVERLAYS}/{name}")
 
     def _ask_panel(self, name: str, data: str) -> None:
         if name not in self.panels:
@@ -329,9 +336,11 @@ class Cockpit:
             self._recording = None
             self._recordings += 1
 
-    def _publish(self, factor: float | None) -> None:
+    def _publish(self) -> None:
         """Publish a snapshot if a browser is connected; one that has just connected gets everything."""
         clients = frozenset(self._server.clients)
+        if clients == self._clients and (not clients or self._frame % _FRAMES_A_SNAPSHOT):
+            return
         if bool(clients) != bool(self._clients):
             (self._twin.inbox.open if clients else self._twin.inbox.close)(urgent=False)
             self.sensors.watch(bool(clients))
@@ -339,6 +348,8 @@ class Cockpit:
             if self._player is None and not self._only_displayed:
                 self._timeline.watch(bool(clients))
         newcomers, self._clients = clients - self._clients, clients
+        paused = self._twin.clock.paused if self._player is None else self._player.paused
+        factor = self._factor.note(wall_clock.perf_counter(), self._clock.time, paused=paused or not clients)
         if clients and (newcomers or self._frame % _FRAMES_A_SNAPSHOT == 0):
             self.publish(factor, everything=bool(newcomers))
 
@@ -362,9 +373,10 @@ class Cockpit:
         if everything or self._log.version != self._published_log:
             self._published_log = self._log.version
             texts["messages"] = _json(self._log.as_plain())
-        timeline = _json(self._timeline.as_plain())
+        timeline = self._timeline.as_plain()
         if everything or timeline != self._published_timeline:
-            self._published_timeline = texts["timeline"] = timeline
+            self._published_timeline = timeline
+            texts["timeline"] = _json(timeline)
         more = {
             "real_time_factor": None if factor is None else round(factor, 3),
             "shown": sorted(self._overlays),

@@ -1,7 +1,7 @@
 """Parts of the page that other packages have added: one that fails is empty from then on, and the page continues."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay, OverlayKind
@@ -30,9 +30,9 @@ def watch_panels(panels: Mapping[str, Panel], is_watched: bool) -> None:
         getattr(panel, "watch", lambda _: None)(is_watched)
 
 
-def draw_panel(panel: Panel, scene: Scene, time: float) -> None:
-    """Let a panel draw what it has in the scene, which shows a time (s)."""
-    getattr(panel, "draw", lambda *_: None)(scene, time)
+def drawing(panels: Mapping[str, Panel]) -> list[Callable[[Scene, float], None]]:
+    """Return the methods of the panels that draw something in the scene, which shows a time (s)."""
+    return [draw for panel in panels.values() if (draw := getattr(panel, "draw", None)) is not None]
 
 
 def close_panels(panels: Mapping[str, Panel]) -> None:
@@ -64,7 +64,9 @@ class _OthersPanel:
         self._code.run(getattr(self._panel, "watch", lambda _: None), is_watched)
 
     def draw(self, scene: Scene, time: float) -> None:
-        self._code.run(getattr(self._panel, "draw", lambda *_: None), scene, time)
+        draw = getattr(self._panel, "draw", None)
+        if draw is not None:
+            self._code.run(draw, scene, time)
 
     def close(self) -> None:
         self._code.run(getattr(self._panel, "close", lambda: None))

@@ -9,7 +9,9 @@ import asyncio
 import queue
 import socket
 import threading
-from collections.abc import Callable, Collection, Mapping
+from collections import deque
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from importlib import resources
 from typing import Any
 
@@ -18,15 +20,17 @@ from aiohttp.typedefs import Handler
 
 from drake_twin.cockpit.access import Access
 from drake_twin.cockpit.bounded_connections import BoundedConnections
+from drake_twin.cockpit.connected_browsers import Client, Viewer
 from drake_twin.cockpit.page_tokens import PageTokens
 from drake_twin.cockpit.protocol import EmergencyStop, Gone, Request, parse
-from drake_twin.cockpit.scene import Commands, Scene, meshcat_script
+from drake_twin.cockpit.scene import Scene, meshcat_script
 from drake_twin.shared_viewer.meshcat_protocol import Command
 
 _LONGEST_MESSAGE = 1 << 16  # bytes
 _MOST_PENDING = 1000  # requests
 _MOST_CLIENTS = 500  # web sockets of pages, and as many of their scenes
 _HEARTBEAT = 20.0  # s
+_LOADING = 5.0  # s that a page may take from its first request to its scene's connection
 _ALIVE = 0.5  # s between two messages that the server is alive
 _ENTRY = {"/": "entry.html", "/entry.js": "entry.js"}  # what needs no token, and its files
 _LONGEST_NAME = 100  # of a static file
@@ -85,13 +89,16 @@ class PageServer:
         self._socket = listening
         self._requests: queue.Queue[tuple[int, Request]] = queue.Queue(_MOST_PENDING)
         self._heard: Callable[[], object] = lambda: None
-        self._clients: dict[int, _Client] = {}
-        self._viewers: set[_Viewer] = set()
+        self._clients: dict[int, Client] = {}
+        self._viewers: set[Viewer] = set()
         self._latest: dict[str, str] = {}
         self._files: dict[str, bytes] = {}
         self._count = 0
+        self._calls: deque[tuple[Callable[..., None], tuple[Any, ...]]] = deque()
+        self._is_held = False
         self._loop = asyncio.new_event_loop()
         self._published = self._loop.time()
+        self._expected = 0.0  # until when the scene of a page that loads may connect (s)
         self._ended = asyncio.Event()
         self._thread = threading.Thread(target=self._run, name="page server", daemon=True)
         self._thread.start()
@@ -100,8 +107,8 @@ class PageServer:
 
     @property
     def is_watched(self) -> bool:
-        """Whether a connected browser draws the scene."""
-        return bool(self._viewers)
+        """Whether a connected browser draws the scene, or will: what it draws is read while it loads the page."""
+        return bool(self._viewers) or self._loop.time() < self._expected
 
     @property
     def url(self) -> str:
@@ -119,12 +126,25 @@ class PageServer:
 
     def requests(self) -> list[tuple[int, Request]]:
         """Return the requests since the last call, in order, each with its client's number."""
-        taken = []
+        taken: list[tuple[int, Request]] = []
+        if self._requests.empty():  # an exception in each frame would cost more
+            return taken
         while True:
             try:
                 taken.append(self._requests.get_nowait())
             except queue.Empty:
                 return taken
+
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """Send what the twin's thread sends inside of this at its end: to wake the server's thread costs the most."""
+        self._is_held = True
+        try:
+            yield
+        finally:
+            self._is_held = False
+            if self._calls and self._thread.is_alive():
+                self._loop.call_soon_threadsafe(self._do_calls)
 
     def publish(self, texts: Mapping[str, str]) -> None:
         """Send texts to every browser, by channel; return at once."""
@@ -210,6 +230,7 @@ class PageServer:
         return web.Response(text=self.tokens.new(), headers=_HEADERS)
 
     async def _index(self, request: web.Request) -> web.Response:
+        self._expected = self._loop.time() + _LOADING
         return self._static_response("index.html", request, _PAGE_POLICY, _ANCESTORS)
 
     async def _static(self, request: web.Request) -> web.Response:
@@ -256,8 +277,9 @@ class PageServer:
         _check_room(self._viewers)
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
         await web_socket.prepare(request)
-        viewer = _Viewer(web_socket, self._scene.everything())
+        viewer = Viewer(web_socket, self._scene.everything())
         self._viewers.add(viewer)
+        self._expected = 0.0
         sender = asyncio.ensure_future(viewer.send())
         try:
             with self.tokens.connected(request.match_info["token"]):
@@ -275,8 +297,18 @@ class PageServer:
 
     def _call(self, function: Callable[..., None], *arguments: Any) -> None:
         """Have a function called in the server's thread, unless that has ended; return at once."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(function, *arguments)
+        if not self._thread.is_alive():
+            return
+        self._calls.append((function, arguments))
+        if threading.current_thread() is self._thread:
+            self._loop.call_soon(self._do_calls)
+        elif not self._is_held:
+            self._loop.call_soon_threadsafe(self._do_calls)
+
+    def _do_calls(self) -> None:
+        while self._calls:
+            function, arguments = self._calls.popleft()
+            self._loop.call_soon(function, *arguments)
 
     def _add(self, commands: list[Command]) -> None:
         for viewer in self._viewers:
@@ -287,7 +319,7 @@ class PageServer:
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
         await web_socket.prepare(request)
         self._count += 1
-        number, client = self._count, _Client(web_socket, dict(self._latest))
+        number, client = self._count, Client(web_socket, dict(self._latest))
         self._clients[number] = client
         sender = asyncio.ensure_future(client.send())
         try:
@@ -333,62 +365,3 @@ class PageServer:
 def _check_room(connected: Collection[object]) -> None:
     if len(connected) >= _MOST_CLIENTS:
         raise web.HTTPServiceUnavailable(text=f"{_MOST_CLIENTS} pages are open, which is the most\n")
-
-
-class _Client:
-    """A connected browser and its unsent texts."""
-
-    def __init__(self, web_socket: web.WebSocketResponse, texts: dict[str, str]):
-        self.socket = web_socket
-        self._pending = texts
-        self._pending_bytes: dict[str, bytes] = {}
-        self._news = asyncio.Event()
-        self._news.set()
-
-    def add(self, texts: dict[str, str]) -> None:
-        self._pending |= texts
-        self._news.set()
-
-    def add_bytes(self, key: str, data: bytes) -> None:
-        self._pending_bytes[key] = data
-        self._news.set()
-
-    async def send(self) -> None:
-        """Send what is pending until the connection ends; a slow browser delays only this."""
-        while not self.socket.closed:
-            await self._news.wait()
-            self._news.clear()
-            texts, self._pending = self._pending, {}
-            many_bytes, self._pending_bytes = self._pending_bytes, {}
-            try:
-                for channel, text in texts.items():
-                    await self.socket.send_str(f'{{"channel":"{channel}","data":{text}}}')
-                for data in many_bytes.values():
-                    await self.socket.send_bytes(data)
-            except ConnectionError:
-                return
-
-
-class _Viewer:
-    """A browser that draws the scene and its unsent commands: the newest of each kind and path."""
-
-    def __init__(self, web_socket: web.WebSocketResponse, everything: Commands):
-        self.socket = web_socket
-        self._pending = everything
-        self._news = asyncio.Event()
-        self._news.set()
-
-    def add(self, commands: list[Command]) -> None:
-        self._pending.add(commands, keep_deletions=True)
-        self._news.set()
-
-    async def send(self) -> None:
-        """Send what is pending until the connection ends; a slow browser delays only this."""
-        while not self.socket.closed:
-            await self._news.wait()
-            self._news.clear()
-            pending, self._pending = self._pending, Commands()
-            try:
-                await self.socket.send_bytes(pending.packed())
-            except ConnectionError:
-                return

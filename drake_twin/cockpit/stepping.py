@@ -68,6 +68,8 @@ class Stepping:
 
     def proceed(self) -> None:
         """Make the steps that a frame has time for."""
+        if not self._left:
+            return
         end = wall_clock.perf_counter() + _LONGEST
         while self._left and self._twin.clock.paused:
             count = min(self._left, _AT_ONCE)

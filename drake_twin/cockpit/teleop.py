@@ -63,7 +63,7 @@ class Teleop:
         Raises:
             InputError: If the twin refuses a command; its driver is forgotten.
         """
-        if self._twin.clock.paused:
+        if not self._drivers or self._twin.clock.paused:
             return
         for topic, driver in list(self._drivers.items()):
             robot, controller = self.topics[topic]

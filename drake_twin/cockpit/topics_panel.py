@@ -108,6 +108,8 @@ class TopicsPanel:
 
     def state(self) -> dict[str, Any] | None:
         """Return the list for those who do not have it, and what is looked at; None while nobody looks."""
+        if not self._looks:
+            return None
         self._looks = {look: left - 1 for look, left in self._looks.items() if left > 1}
         self._listen()
         if not self._looks:

@@ -1,10 +1,19 @@
 """A user's changes of a plant's context besides its state: masses, dampings, motors, frames, friction."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydrake.geometry import GeometryId, ProximityProperties, Role, RoleAssign, SceneGraph, SceneGraphInspector
+from pydrake.geometry import (
+    GeometryId,
+    GeometryVersion,
+    ProximityProperties,
+    Role,
+    RoleAssign,
+    SceneGraph,
+    SceneGraphInspector,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import (
@@ -62,6 +71,8 @@ class PlantParameters:
         inspector = self._inspector(root)
         self._shapes = list(self._named_shapes(inspector))
         self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes}
+        # Which properties have changed, as of a version of the geometry: to read them all takes longer than the rest.
+        self._changed_materials: tuple[GeometryVersion, dict[str, list[Any]]] = copy(inspector.geometry_version()), {}
 
     def changed(self, root: Context) -> dict[str, list[Any]]:
         """Return the name and value of each parameter that has changed since the build, as plain data.
@@ -77,12 +88,19 @@ class PlantParameters:
                 values = list(map(float, parameter.read(now)))
                 if not np.array_equal(values, parameter.read(before), equal_nan=True):
                     found[parameter.name] = [to_plain(value) for value in values]
-        inspector = self._inspector(root)
+        return found | self._materials_changed(self._inspector(root))
+
+    def _materials_changed(self, inspector: SceneGraphInspector) -> dict[str, list[Any]]:
+        version = copy(inspector.geometry_version())  # its own changes with the shapes
+        if version.IsSameAs(self._changed_materials[0], Role.kProximity):
+            return self._changed_materials[1]
+        found: dict[str, list[Any]] = {}
         for name, geometry in self._shapes:
             now_there, built = _materials(inspector, geometry), self._materials[geometry]
             for key, values in () if now_there == built else now_there.items():
                 if values != built.get(key):
                     found[f"{name} {key}"] = [to_plain(value) for value in values]
+        self._changed_materials = version, found
         return found
 
     def put(self, root: Context, given: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> bool:

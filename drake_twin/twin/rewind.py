@@ -3,8 +3,11 @@
 import pickle
 from bisect import bisect_right
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+
+from pydrake.geometry import GeometryId, Role
 
 from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.errors import InputError, RunError
@@ -84,6 +87,8 @@ class Rewind(Owned, path="rewind"):
         self._owner = twin.owner
         self._twin, self._seconds, self._most_bytes = twin, float(seconds), most_bytes
         self._moments: deque[_Moment] = deque()
+        self._size: int | None = 0  # bytes; None until it is asked for after a change
+        self._models: tuple[object, dict[GeometryId, str]] = None, {}
         self._marks: dict[tuple[str, str, float], Mark] = {}  # by kind, text and start
         self._last: dict[tuple[str, str], Mark] = {}
         self._touching: frozenset[str] = frozenset()
@@ -107,8 +112,10 @@ class Rewind(Owned, path="rewind"):
     @property
     def size(self) -> int:
         """The memory that the moments take (bytes)."""
-        texts_of = {id(moment.scenario): len(moment.scenario) for moment in self._moments}
-        return sum(len(moment.packed) for moment in self._moments) + sum(texts_of.values())
+        if self._size is None:
+            texts_of = {id(moment.scenario): len(moment.scenario) for moment in self._moments}
+            self._size = sum(len(moment.packed) for moment in self._moments) + sum(texts_of.values())
+        return self._size
 
     def go_to(self, time: float) -> float:
         """Return the twin to the last moment that is not after a time; the moments after it are dropped.
@@ -167,6 +174,7 @@ class Rewind(Owned, path="rewind"):
             return
         self._drop_future()
         twin = self._twin
+        self._size = None
         if self._moments and self._moments[-1].time >= twin.time - _EPSILON:
             self._moments.pop()
         snapshot = twin.snapshot()
@@ -176,6 +184,7 @@ class Rewind(Owned, path="rewind"):
         oldest = twin.time - self._seconds - _EPSILON
         while len(self._moments) > 1 and (self._moments[0].time < oldest or self.size > self._most_bytes):
             self._moments.popleft()
+            self._size = None
         first = self._moments[0].time
         self._marks = {key: mark for key, mark in self._marks.items() if mark.end >= first}
         self._last = {key: mark for key, mark in self._last.items() if mark.end >= first}
@@ -187,6 +196,7 @@ class Rewind(Owned, path="rewind"):
             return
         while self._moments and self._moments[-1].time > now:
             self._moments.pop()
+        self._size = None
         past = {key: mark for key, mark in self._marks.items() if mark.start <= now}
         self._marks = {key: replace(mark, end=min(mark.end, self._twin.time)) for key, mark in past.items()}
         self._last.clear()
@@ -210,7 +220,9 @@ class Rewind(Owned, path="rewind"):
         self._faults = faults
 
     def _look_for_contacts(self) -> None:
-        touching = frozenset(_touching(self._twin))
+        if self._models[0] is not self._twin.built.shapes:
+            self._models = self._twin.built.shapes, _models(self._twin)
+        touching = frozenset(_touching(self._twin, self._models[1]))
         for text in sorted(touching - self._touching):
             self._mark(CONTACT, text)
         self._touching = touching
@@ -224,23 +236,29 @@ class Rewind(Owned, path="rewind"):
         self._marks[kind, text, start] = self._last[kind, text] = mark
 
 
-def _touching(twin: Twin) -> set[str]:
-    """Return which robots and moving models of the world touch each other."""
+def _models(twin: Twin) -> dict[GeometryId, str]:
+    """Return the robot or moving model of the world of each collision shape that has one, other than brakes."""
     names = {shape.body: shape.model for shape in twin.built.shapes if shape.model}
+    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
+    bodies = {
+        geometry: twin.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        for geometry in inspector.GetAllGeometryIds(Role.kProximity)
+        if not is_brake(inspector, geometry)
+    }
+    models = {geometry: names.get(body.index(), "") for geometry, body in bodies.items() if body is not None}
+    return {geometry: model for geometry, model in models.items() if model}
+
+
+def _touching(twin: Twin, models: Mapping[GeometryId, str]) -> set[str]:
+    """Return which robots and moving models of the world touch each other."""
     try:
         results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
     except RunError:  # the next step fails, which says why
         return set()
-    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    found = set()
-    for index in range(results.num_point_pair_contacts()):
-        point = results.point_pair_contact_info(index)
-        if not is_brake(inspector, point.point_pair().id_A):
-            found.add((point.bodyA_index(), point.bodyB_index()))
+    points = (results.point_pair_contact_info(index).point_pair() for index in range(results.num_point_pair_contacts()))
+    shapes = {(point.id_A, point.id_B) for point in points}
     for index in range(results.num_hydroelastic_contacts()):
         surface = results.hydroelastic_contact_info(index).contact_surface()
-        frames = [inspector.GetFrameId(geometry) for geometry in (surface.id_M(), surface.id_N())]
-        first, second = (twin.plant.GetBodyFromFrameId(frame).index() for frame in frames)
-        found.add((first, second))
-    pairs = (sorted((names.get(a, ""), names.get(b, ""))) for a, b in found)
+        shapes.add((surface.id_M(), surface.id_N()))
+    pairs = (sorted((models.get(a, ""), models.get(b, ""))) for a, b in shapes)
     return {f"{a} touches {b}" for a, b in pairs if a and a != b}

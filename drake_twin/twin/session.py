@@ -137,7 +137,8 @@ class Session:
         Raises:
             InputError: If the robot is unknown.
         """
-        return self.controls[self.plan(robot).name]
+        known = self.controls.get(robot) if isinstance(robot, str) else None
+        return known or self.controls[self.plan(robot).name]
 
     def robot_state(self, robot: Any, *, with_efforts: bool) -> RobotState:
         """Return a robot's state.

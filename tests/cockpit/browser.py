@@ -195,9 +195,10 @@ def open_tab(tab, name):
 
 
 def draw(tab):
-    """Draws the scene from now on."""
+    """Draws the scene from now on, each pixel of it."""
     tab.locator("#scene").evaluate(
-        "(frame) => { frame.contentWindow.isDrawn = true; frame.contentWindow.shownViewer.set_dirty(); }"
+        "({ contentWindow: scene }) => { if (!scene.isDrawn) scene.shownViewer.drawWhole(); scene.isDrawn = true;"
+        " scene.shownViewer.set_dirty(); }"
     )
 
 

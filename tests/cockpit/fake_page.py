@@ -1,6 +1,7 @@
 """A page without a browser: what it asks for is put into a list, and what it is told is kept."""
 
 import json
+from contextlib import nullcontext
 
 from drake_twin.cockpit.cockpit import Cockpit
 from drake_twin.cockpit.scene import Scene
@@ -14,6 +15,9 @@ class FakeServer:
         self.files = {}
         self.pictures = {}
         self._asked = []
+
+    def together(self):
+        return nullcontext()
 
     def ask(self, request, client=1):
         self._asked.append((client, request))

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from conftest import ROVER
+from pydrake.geometry import ProximityProperties, Role, RoleAssign
+from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.scenario import Robot, Scenario
 from drake_twin.twin.physics import Physics
@@ -62,3 +64,29 @@ def test_what_is_unknown_or_not_finite_is_refused(built, root, parameters):
     with pytest.raises(ValueError, match="not finite"):
         parameters.put(root, {name: [np.nan] * 10})
     assert mass(built, root) == 7.5
+
+
+def test_a_shapes_friction_is_read_again_when_it_has_been_set_and_when_it_is_taken_back(built, root, parameters):
+    scene_graph = built.scene_graph
+    context = scene_graph.GetMyMutableContextFromRoot(root)
+    inspector = scene_graph.get_query_output_port().Eval(context).inspector()
+    shape = next(
+        each
+        for each in inspector.GetAllGeometryIds(Role.kProximity)
+        if built.plant.GetBodyFromFrameId(inspector.GetFrameId(each)).name() == "rover_base_link"
+    )
+
+    def set_friction(value):
+        properties = ProximityProperties(inspector.GetProximityProperties(shape))
+        properties.UpdateProperty("material", "coulomb_friction", CoulombFriction(value, value))
+        scene_graph.AssignRole(context, built.plant.get_source_id(), shape, properties, RoleAssign.kReplace)
+
+    before = inspector.GetProximityProperties(shape).GetProperty("material", "coulomb_friction").static_friction()
+    assert parameters.changed(root) == {}
+    for value in (0.25, 0.125):
+        set_friction(value)
+        assert list(parameters.changed(root).values()) == [[value, value]]
+    assert parameters.changed(built.diagram.CreateDefaultContext()) == {}
+    assert list(parameters.changed(root).values()) == [[0.125, 0.125]]
+    set_friction(before)
+    assert parameters.changed(root) == {}

@@ -12,8 +12,12 @@ function connect() {
     if (isFirst) for (const path of ["/twin", "/overlays"]) viewer.handle_command({ type: "delete", path });
     isFirst = false;
     for (const command of viewer.decode(message)) viewer.handle_command(command);
+    delete document.body.dataset.waits;
     document.body.dataset.frames = Number(document.body.dataset.frames ?? 0) + 1;
   };
-  socket.onclose = () => setTimeout(connect, RETRY);
+  socket.onclose = () => {
+    delete document.body.dataset.waits;
+    setTimeout(connect, RETRY);
+  };
 }
 connect();

@@ -1,13 +1,13 @@
 // Meshcat's viewer, drawn in the page's pane whenever something has changed.
 "use strict";
-const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
+const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"), false); // draws nothing by itself
 viewer.animate = () => {
   viewer.animator.update();
   if (viewer.needs_render) viewer.render();
 };
 function animate() {
   requestAnimationFrame(animate); // first: a picture that fails is not the last
-  viewer.animate();
+  if (!("waits" in document.body.dataset)) viewer.animate(); // a picture without robots would only delay the one with them
 }
 requestAnimationFrame(animate);
 
