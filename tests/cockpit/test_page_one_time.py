@@ -7,10 +7,12 @@ import io
 
 import numpy as np
 import pytest
+import test_page_capture
 from browser import BROWSER_TESTS, browser, folder, show
 from conftest import rovers
 from PIL import Image
 from rosbags.highlevel import AnyReader
+from test_page_capture import KEEP
 
 from drake_twin.wires.bag_wire import BagWire
 from drake_twin.wires.seam import Seam
@@ -64,9 +66,9 @@ def pause(it, tab):
 
 
 def saved(it, tab, label):
-    with tab.expect_download() as download:
-        tab.get_by_role("button", name=label).first.press("Enter")
-    return download.value.path().read_bytes()
+    tab.evaluate(KEEP)
+    tab.get_by_role("button", name=label).first.press("Enter")
+    return test_page_capture.saved(it, tab)[1]
 
 
 def test_the_numbers_that_are_saved_are_those_of_a_bag(plotted, tmp_path):

@@ -54,7 +54,7 @@ def test_a_video_is_saved_though_the_connection_is_lost(page):
     draw(tab)
     tab.evaluate(KEEP)
     tab.get_by_role("button", name="Video").press("Enter")
-    it.for_frames(10)
+    it.frames(lambda: tab.evaluate("window.recorded") > 1000)
     it.is_cut = True
     it.served.server.close()
     tab.locator("#connection").wait_for(state="visible")

@@ -17,6 +17,7 @@ from conftest import rovers
 from playback.recorded_bags import cart_messages, record, write
 from played_bag import Played
 from rosbags.highlevel import AnyReader
+from test_page_capture import KEEP, saved
 
 from drake_twin.messages import Header, Image, LaserScan, time_message
 from drake_twin.messages.interface_types import make
@@ -80,9 +81,9 @@ def test_a_curve_of_the_whole_bag_is_saved_as_the_messages_are(play, bags):
     it = play(bags / "first")
     it.tab.evaluate(ADD, f"{STATES}.velocity[{WHEEL}]")
     it.frames(lambda: it.tab.locator("#plots .legend .unit").all_inner_texts() == ["rad/s"])
-    with it.tab.expect_download() as download:
-        it.tab.get_by_role("button", name="Save the numbers as a table (CSV)").press("Enter")
-    head, *rows = csv.reader(io.StringIO(download.value.path().read_text()))
+    it.tab.evaluate(KEEP)
+    it.tab.get_by_role("button", name="Save the numbers as a table (CSV)").press("Enter")
+    head, *rows = csv.reader(io.StringIO(saved(it, it.tab)[1].decode()))
     assert head == ["time [s]", f"{STATES}.velocity[{WHEEL}] [rad/s]"]
     np.testing.assert_allclose(np.array(rows, dtype=float), recorded(bags / "first", speed_of_wheel), atol=1e-9, rtol=0)
 
