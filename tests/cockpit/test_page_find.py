@@ -80,7 +80,7 @@ def test_arrows_choose_and_escape_leaves_all_as_it_was(page):
 
 def test_the_panels_width_and_folded_groups_are_kept(page):
     it, tab = page
-    edge, panel = tab.locator(".edge"), tab.locator("#panel")
+    edge, panel = tab.locator(".edge.beside"), tab.locator("#panel")
     before = panel.bounding_box()["width"]
     edge.focus()
     for key in ("ArrowLeft", "ArrowLeft", "ArrowLeft", "ArrowRight"):
@@ -106,3 +106,31 @@ def test_the_panels_width_and_folded_groups_are_kept(page):
     it.frames(lambda: tab.locator("#follow").is_visible())
     edge.dblclick(force=True)
     assert panel.bounding_box()["width"] == before
+
+
+def test_the_plots_height_is_kept(page):
+    it, tab = page
+    plot = "async (path) => { (await import('./plots.js')).plots.add(path); }"
+    edge, plots = tab.locator(".edge.below"), tab.locator("#plots")
+    assert edge.is_hidden()
+    tab.evaluate(plot, "/robot_1/joint_states.velocity[0]")
+    it.frames(lambda: tab.locator("#plots canvas").count() == 1)
+    before = plots.bounding_box()["height"]
+    edge.focus()
+    for key in ("ArrowUp", "ArrowUp", "ArrowUp", "ArrowDown"):
+        tab.keyboard.press(key)
+    assert plots.bounding_box()["height"] == before + 40
+    box = edge.bounding_box()
+    tab.mouse.move(box["x"] + 200, box["y"] + 4)
+    tab.mouse.down()
+    tab.mouse.move(box["x"] + 220, box["y"] - 56, steps=4)
+    tab.mouse.up()
+    assert plots.bounding_box()["height"] == pytest.approx(before + 100, abs=6)
+    high = plots.bounding_box()["height"]
+    tab.reload()
+    it.frames(lambda: tab.locator("#plots canvas").count() == 1)
+    assert plots.bounding_box()["height"] == high
+    edge.dblclick(force=True)
+    assert plots.bounding_box()["height"] == before
+    tab.set_viewport_size({"width": 390, "height": 844})
+    assert edge.is_hidden()

@@ -1,39 +1,47 @@
-// The shape of the page: the side panel's width, side and tab, which of its groups are folded. A browser keeps them (kept.js).
+// The shape of the page: the side panel's width, side and tab, the plots' height, which groups are folded. A browser keeps them (kept.js).
 
 import { $, element } from "./dom.js";
+import { Edge } from "./edge.js";
 import { keep, kept } from "./kept.js";
 import { OTHERS, Tabs } from "./tabs.js";
 
-const USUAL = 372; // px
-const ENDS = [300, 1200]; // px; the scene keeps some room, too (page.css)
+// The scene keeps some room, too (page.css, plots.css).
+const WIDTH = {
+  kept: "width",
+  className: "beside",
+  orientation: "vertical",
+  label: "Width of the controls",
+  title: "Drag, or press the left and right arrow; double click for the usual width",
+  ...{ usual: 372, least: 300, most: 1200 }, // px
+};
+const HEIGHT = {
+  kept: "height",
+  className: "below",
+  orientation: "horizontal",
+  label: "Height of the plots",
+  title: "Drag, or press the up and down arrow; double click for the usual height",
+  ...{ usual: 296, least: 120, most: 1200 }, // px
+};
 const FILTERS = ["robots-filter", "messages-search"];
-const STEP = 20; // px that a key moves the edge
 
 export class Layout {
   // `onchoose` is called when another tab is shown.
   constructor(onchoose) {
-    this.edge = element("div", { class: "edge", role: "separator", tabindex: 0, "aria-orientation": "vertical", "aria-label": "Width of the controls", title: "Drag, or press the left and right arrow; double click for the usual width" });
-    $("panel").before(this.edge);
-    this.edge.addEventListener("pointerdown", (event) => {
-      this.edge.setPointerCapture(event.pointerId);
-      document.body.classList.add("resizing"); // so that the scene's frame does not take the pointer
+    const sized = (name) => (size) => document.documentElement.style.setProperty(name, `${size}px`);
+    this.width = new Edge({
+      ...WIDTH,
+      keys: () => (this.isLeft ? ["ArrowLeft", "ArrowRight"] : ["ArrowRight", "ArrowLeft"]),
+      sizeAt: ({ clientX }) => (this.isLeft ? clientX : innerWidth - clientX),
+      onsize: sized("--panel"),
     });
-    this.edge.addEventListener("pointermove", (event) => {
-      if (this.edge.hasPointerCapture(event.pointerId)) this.setWidth(this.isLeft ? event.clientX : innerWidth - event.clientX);
+    this.height = new Edge({
+      ...HEIGHT,
+      keys: () => ["ArrowDown", "ArrowUp"],
+      sizeAt: ({ clientY }) => $("plots").getBoundingClientRect().bottom - clientY,
+      onsize: sized("--plots"),
     });
-    this.edge.addEventListener("lostpointercapture", () => {
-      document.body.classList.remove("resizing");
-      keep({ width: this.width });
-    });
-    this.edge.addEventListener("dblclick", () => this.resize(USUAL));
-    this.edge.addEventListener("keydown", (event) => {
-      const step = this.isLeft ? -STEP : STEP;
-      const widths = { ArrowLeft: this.width + step, ArrowRight: this.width - step, Home: USUAL };
-      if (!(event.key in widths)) return;
-      event.preventDefault();
-      event.stopPropagation();
-      this.resize(widths[event.key]);
-    });
+    $("panel").before(this.width.node);
+    $("plots").before(this.height.node);
     this.tabs = new Tabs((tab) => {
       keep({ tab });
       onchoose();
@@ -56,8 +64,9 @@ export class Layout {
   }
 
   restore() {
-    const { width, side, tab, ...more } = kept();
-    this.setWidth(Number(width) || USUAL);
+    const { width, height, side, tab, ...more } = kept();
+    this.width.set(width);
+    this.height.set(height);
     this.setSide(side);
     this.tabs.choose(tab);
     for (const fold of this.folds) fold();
@@ -92,19 +101,6 @@ export class Layout {
     node.closest(".folded")?.querySelector(".fold").click();
     for (let each = node.parentElement; each; each = each.parentElement) if (each.localName === "details") each.open = true;
     node.scrollIntoView({ block: "nearest" });
-  }
-
-  resize(width) {
-    this.setWidth(width);
-    keep({ width: this.width });
-  }
-
-  setWidth(width) {
-    const [least, most] = ENDS;
-    this.width = Math.round(Math.min(Math.max(width, least), most));
-    document.documentElement.style.setProperty("--panel", `${this.width}px`);
-    const values = { valuenow: this.width, valuemin: least, valuemax: most };
-    for (const [name, value] of Object.entries(values)) this.edge.setAttribute(`aria-${name}`, value);
   }
 
   // Let the heading of a group fold it, if it is not alone in its tab.
