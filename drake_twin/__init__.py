@@ -27,6 +27,10 @@ _first = "".join(sys.argv[:1])
 _is_module = _first == "-m" and any(word.startswith(("drake_twin", "-mdrake_twin")) for word in sys.orig_argv)
 _is_program = _is_module or _first.endswith("/drake-twin")
 if _is_program:
+    from drake_twin.allocator import start_again
+
+    start_again()
+
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it without a message until it can end by itself
@@ -106,6 +110,9 @@ if not TYPE_CHECKING:  # else every name that is not there would have the type A
                 with imports_explained():
                     return getattr(import_module(f"drake_twin.{module}"), name)
         raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})
 
 
 def _refuse(kind: type[BaseException], error: BaseException, traceback: Any) -> None:

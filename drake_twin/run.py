@@ -20,6 +20,7 @@ from drake_twin.cli.plugins import load_panels, load_plugins
 from drake_twin.cli.program_page import ProgramPage
 from drake_twin.cli.rebuilt_twin import rebuilt_twin
 from drake_twin.cli.results import save_results
+from drake_twin.cli.slow_notice import SlowNotice
 from drake_twin.cli.status_line import StatusLine
 from drake_twin.cli.target import Target, build_twin, find_target
 from drake_twin.cli.watched_files import Stamp, Watch, files_read
@@ -200,7 +201,7 @@ class _Run:
 
     def _simulate(self) -> None:
         """Run to the end, until a signal arrives or until a file changes."""
-        twin, options, status = self.twin, self._options, StatusLine(self.twin)
+        twin, options, status, slow = self.twin, self._options, StatusLine(self.twin), SlowNotice(self.twin)
         process_requests: Callable[[], None] = (
             (lambda: None) if self._page is None else self._page.show(twin, self._target)
         )
@@ -214,6 +215,7 @@ class _Run:
             process_requests()
             observe()
             status.show()
+            slow.look()
             is_shut_down = nodes is not None and nodes.shutdown_reason is not None
             return not (self._stopped or is_shut_down) and (self._watch is None or not self._watch.poll())
 

@@ -79,7 +79,7 @@ HTML = FileKind("page", "`--save-html`", None, '`<meta name="generator">`', "a b
 MESHES = FileKind(
     "converted mesh",
     "the cache of meshes",
-    9,
+    10,
     "in the digest that is the file's name",
     "this version only: others convert again",
 )

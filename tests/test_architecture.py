@@ -45,7 +45,7 @@ ROOMS = [
     ["description"],
     ["messages"],
     ["program", "progress", "whole_file", "own_host", "scratch_folder"],
-    ["python_process"],
+    ["python_process", "allocator"],
     ["findings"],
     ["typed_data"],
     ["plugin_watch"],

@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
+from drake_twin.cli.time_step_option import add_time_step
 from drake_twin.errors import InputError
 from drake_twin.film.kinds import FILMS, PICTURE, Format, check_film, is_film
 from drake_twin.program import ArgumentParser, add_keep_going, add_repeated, add_strict, add_version
@@ -33,6 +34,9 @@ examples:
   python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3
   python -m drake_twin.run --robots 2 --world path/to/some.world
   python -m drake_twin.run --robots 2 --duration 10 --plot run.png
+  python -m drake_twin.run --robots 2 --duration 10 --headless --record film.mp4
+  python -m drake_twin.run --robots 2 --duration 10 --headless --bag first
+  python -m drake_twin.run --robots 2 --compare first
   python -m drake_twin.run --robots 2 --viewer tcp://127.0.0.1:6000"""
 
 
@@ -110,7 +114,7 @@ def _add_robots(group: argparse._ArgumentGroup) -> None:
 
 def _add_time(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
-    group.add_argument("--time-step", type=float, metavar="S", help="physics step (default: 0.001)")
+    add_time_step(group)
     group.add_argument(
         "--engine",
         metavar="NAME",
@@ -139,7 +143,10 @@ def _add_page(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     group.add_argument("--host", default="127.0.0.1", help="the address to serve the page on (default: 127.0.0.1)")
     group.add_argument(
-        "--compare", type=Path, metavar="BAG", help="lay a bag over the run on the page: ghosts, curves, differences"
+        "--compare",
+        type=Path,
+        metavar="BAG",
+        help="lay a bag over the run on the page (under Time): ghosts, curves, differences",
     )
     group.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     add_repeated(group, "--panel", "FILE", "a .py file with a panel of your own: sliders, buttons, plots, …")
@@ -206,11 +213,14 @@ def check(options: argparse.Namespace) -> None:
     """
     if options.robots is not None and options.robots < 1:
         raise InputError(f"--robots {options.robots}: a twin needs at least one robot")
-    for name in ("duration", "time_step", "clock_rate", "real_time_rate"):
+    for name in ("duration", "time_step", "auto_step_error", "clock_rate", "real_time_rate"):
         value = getattr(options, name)
         if value is not None and not 0 < value <= LONGEST_TIME:
             bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"
-            raise InputError(f"--{name.replace('_', '-')} {value:g}: {bounds}")
+            option = "time-step auto:" if name == "auto_step_error" else f"{name.replace('_', '-')} "
+            raise InputError(f"--{option}{value:g}: {bounds}")
+    if options.auto_step and (options.load_state or options.replay or options.episode):
+        raise InputError("--time-step auto: a saved run has its own step")
     if options.plot is not None:
         from drake_twin.cli.plot import check_plot_file
 

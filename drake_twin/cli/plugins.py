@@ -33,7 +33,8 @@ def load_panels(files: Iterable[str]) -> None:
         if file.endswith(".py") and _module_name(_file_of(file)) not in PAGE_PANELS.modules:
             raise InputError(
                 f"--panel {file}: it adds no panel to the page. A function with @page_panel('TITLE'), of"
-                " drake_twin.cockpit.page_panel, is called with an empty panel and the twin"
+                " drake_twin.cockpit.page_panel, is called with an empty panel and the twin;"
+                " `python -m pydoc drake_twin.cockpit.page_panel.page_panel` shows an example"
             )
 
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from drake_twin.allocator import description
 from drake_twin.errors import RunError
 from drake_twin.twin.twin import Twin
 from drake_twin.versions import SUMMARY, head
@@ -15,6 +16,7 @@ def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | 
     - ``robots``: name → ``joints`` (names of the movable joints), ``positions`` (rad or m), ``velocities``,
       ``efforts`` (that actuators apply, N·m or N; None after a failure, for they are those of the next step),
       ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
+    - ``allocator``: of memory: the tunable of the C library that the program has set, else ``system``
     - ``seed`` and ``sensor_noise``: what the noise of sensors is drawn from, and whether there is any
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
@@ -46,6 +48,7 @@ def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | 
         "real_time_factor": simulated / wall_time if wall_time > 0 else 0.0,
         "time_step": twin.scenario.time_step,
         "steps": twin.clock.step_count,
+        "allocator": description(),
         "seed": twin.scenario.seed,
         "sensor_noise": twin.scenario.sensor_noise,
         "robots": robots,

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from drake_twin.cli.time_step_option import with_longest_step
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.description.source_file import regular_open
@@ -106,7 +107,8 @@ def find_target(options: argparse.Namespace) -> Target:
         target = _world_file(words[0], options, given)
     else:
         target = _robot_file(words[0], options, given)
-    return replace(target, scenario=_with_options(target, options, commands))
+    scenario = _with_options(target, options, commands)
+    return replace(target, scenario=with_longest_step(scenario, options) if options.auto_step else scenario)
 
 
 def _with_options(target: Target, options: argparse.Namespace, commands: tuple[Command, ...]) -> Scenario:

@@ -17,10 +17,11 @@ from drake_twin.cockpit.message_log import MessageLog
 from drake_twin.cockpit.others_parts import NO_STATE, close_panels, drawing, make_overlay, make_panel, watch_panels
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, Overlay
 from drake_twin.cockpit.panel import PANEL_KINDS, Panel
+from drake_twin.cockpit.past_drawings import PastDrawings
 from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
-from drake_twin.cockpit.scene import Scene
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.cockpit.sensor_view import SensorView
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import layout_key, state, structure
@@ -93,8 +94,9 @@ class Cockpit:
         self._drawing = drawing(self.panels)
         self._camera = FollowCamera(scene)
         make_sensors = partial(SensorView, twin) if player is None else player.sensors
-        self.sensors = make_sensors(scene, server.send_bytes)
-        self._timeline = Timeline(twin, scene)
+        self._past = PastDrawings(lambda: twin.time, scene, server.send_bytes)
+        self.sensors = make_sensors(scene, self._past.send_picture)
+        self._timeline = Timeline(twin, scene, self._past)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._looks = Looks()
@@ -115,6 +117,7 @@ class Cockpit:
             overlay.remove()
         self.sensors.close()
         self._timeline.close()
+        self._past.close()
         watch_panels(self.panels, False)
         close_panels(self.panels)
         self._camera.follow("", self._twin)
@@ -200,6 +203,8 @@ class Cockpit:
                 self._show(what, on)
             case protocol.ShowSensor(sensor, on):
                 self.sensors.show(sensor, on)
+                if not on:
+                    self._past.forget(f"{OVERLAYS}/measured/{sensor}")
             case protocol.ColorSensor(sensor, by):
                 self.sensors.color(sensor, by)
             case protocol.LookAtEfforts():
@@ -312,6 +317,7 @@ class Cockpit:
             self._timeline.tell(self._overlays[name])
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
+            self._past.forget(f"{OVERLAYS}/{name}")
 
     def _ask_panel(self, name: str, data: str) -> None:
         if name not in self.panels:

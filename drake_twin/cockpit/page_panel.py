@@ -32,6 +32,18 @@ PAGE_PANELS: Registry[PanelMaker] = Registry(
 def page_panel(title: str) -> Callable[[_M], _M]:
     """Register a function that fills a panel, so that every page has the panel.
 
+    A file ``mine.py`` for ``python -m drake_twin.run --robots 1 --panel mine.py``; what else a panel can have are the
+    methods of `PagePanel`::
+
+        from drake_twin.cockpit.page_panel import page_panel
+
+        @page_panel("Mine")
+        def fill(panel, twin):
+            def drive(speed):
+                twin.publish("/robot_1/forward_velocity_controller/commands", [speed] * 4)
+
+            panel.slider("speed", -5, 5, unit="rad/s", on_change=drive)
+
     The function is called with an empty `PagePanel` and the twin when a page shows a twin, and again when the twin is
     built again. A package of its own does so in a module that its entry point in the group ``drake_twin.page_panels``
     names.

@@ -5,7 +5,7 @@ So the page draws with Meshcat's JavaScript and receives these commands over its
 """
 
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +65,18 @@ class Commands:
             self._known.pop(key, None)
             self._known[key] = content
 
+    def __iter__(self) -> Iterator[Command]:
+        for key, content in self._known.items():
+            yield key[0], key[1], content
+
+    def items(self) -> Iterable[tuple[CommandKey, bytes]]:
+        """Return the commands with their keys: kind, path, and the name of a property."""
+        return self._known.items()
+
+    def below(self, root: bytes) -> "Commands":
+        """Return those whose paths begin with a text."""
+        return Commands({key: content for key, content in self._known.items() if key[1].startswith(root)})
+
     def packed(self) -> bytes:
         """Return all commands as one MessagePack array."""
         return b"\xdd" + len(self._known).to_bytes(4, "big") + b"".join(self._known.values())
@@ -94,9 +106,19 @@ class Scene:
         self._drawn: SharedScene | None = None
         self._beside: dict[str, FrameSender] = {}
 
-    def listen(self, listener: Callable[[list[Command]], None]) -> None:
-        """Call a function with each list of commands from now on, in the thread that draws or writes."""
+    def listen(self, listener: Callable[[list[Command]], None]) -> Callable[[], None]:
+        """Call a function with each list of commands from now on, in the thread that draws or writes.
+
+        Returns:
+            Ends it.
+        """
         self._listeners.append(listener)
+
+        def end() -> None:
+            if listener in self._listeners:
+                self._listeners.remove(listener)
+
+        return end
 
     def write_in(self, call: Callable[[Callable[[], None]], None]) -> None:
         """Let another thread write the commands of poses.
@@ -122,13 +144,13 @@ class Scene:
         """Draw a shape at a path, in place of the object there; `on_top` draws it over what hides it."""
         rgba = (color.r(), color.g(), color.b(), color.a())
         drawn = three_js_object(DrawnGeometry(path, shape, rgba, np.eye(4)), **(_ON_TOP if on_top else {}))
-        self._send([set_object(path, drawn)])
+        self.send([set_object(path, drawn)])
 
     def set_points(
         self, path: str, points: np.ndarray, color: tuple[float, float, float] | np.ndarray, size: float
     ) -> None:
         """Draw points (m, shape (n, 3)) of a size (m) at a path, in place of what is there; each may have its color."""
-        self._send([set_object(path, points_object(path, points, color, size))])
+        self.send([set_object(path, points_object(path, points, color, size))])
 
     def set_lines(
         self,
@@ -145,34 +167,34 @@ class Scene:
         """
         drawn = lines_object(path, ends, color, **(_ON_TOP if on_top else {}))
         drawn["object"]["userData"] = {"label": label}
-        self._send([set_object(path, drawn)])
+        self.send([set_object(path, drawn)])
 
     def set_ghost(self, path: str, body: str, color: tuple[float, float, float]) -> None:
         """Draw a translucent copy of a body, by its path below the twin's, at a path; the browser has its geometry."""
-        self._send([set_object(path, ghost_object(path, body, color))])
+        self.send([set_object(path, ghost_object(path, body, color))])
 
     def set_transform(self, path: str, X_PF: RigidTransform | np.ndarray) -> None:
         """Set the pose of a path F, and of all below it, in its parent P; a 4x4 matrix may scale it, too."""
         matrix = X_PF.GetAsMatrix4() if isinstance(X_PF, RigidTransform) else X_PF
-        self._send([set_transform(path, matrix)])
+        self.send([set_transform(path, matrix)])
 
     def move(self, paths: TransformWriter, poses: np.ndarray) -> None:
         """Set the poses of all paths of a writer in their parents at once, shape (paths, 4, 4)."""
-        self._send(list(paths.commands(poses, range(len(poses)))))
+        self.send(list(paths.commands(poses, range(len(poses)))))
 
     def set_property(self, path: str, name: str, value: object) -> None:
         """Set a property of three.js to a plain value."""
-        self._send([set_property(path, name, value)])
+        self.send([set_property(path, name, value)])
 
     def delete(self, path: str) -> None:
         """Delete a path and all below it."""
-        self._send([delete(path)])
+        self.send([delete(path)])
 
     def set_camera_pose(self, position: Sequence[float] | np.ndarray, target: Sequence[float] | np.ndarray) -> None:
         """Place the camera at a position and turn it to a target (m, in the world)."""
         there, here = ([float(x), float(z), -float(y)] for x, y, z in (target, position))  # three.js is y-up
         content = umsgpack.packb({"type": "set_target", "path": "", "value": there})
-        self._send([(b"set_target", b"", content)])
+        self.send([(b"set_target", b"", content)])
         self.set_property("/Cameras/default/rotated/<object>", "position", here)
 
     def set_up(self, twin: Twin) -> None:
@@ -215,7 +237,7 @@ class Scene:
         """
         is_new = path not in self._beside
         sender = self._beside.setdefault(path, FrameSender(path))
-        self._send(list(sender.commands(frame)))
+        self.send(list(sender.commands(frame)))
         if is_new:
             self.set_property(path, "modulated_opacity", opacity)
 
@@ -231,7 +253,8 @@ class Scene:
             if frame is not None:
                 self._deliver(list(self._sender.commands(frame)))
 
-    def _send(self, commands: list[Command]) -> None:
+    def send(self, commands: list[Command]) -> None:
+        """Send commands that draw."""
         with self._lock:
             self._write()
             self._deliver(commands)

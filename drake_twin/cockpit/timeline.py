@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from drake_twin.cockpit import protocol
-from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.cockpit.past_drawings import PastDrawings
+from drake_twin.cockpit.scene import Scene
 from drake_twin.errors import InputError
 from drake_twin.shared_viewer.frame_sender import Frame
 from drake_twin.shared_viewer.shared_scene import SharedScene
@@ -51,13 +52,14 @@ class Timeline:
     Args:
         twin: The twin.
         scene: The page's scene.
+        past: What was drawn besides the robots.
 
     Attributes:
         loop: Whether a replay begins again where it ends.
     """
 
-    def __init__(self, twin: Twin, scene: Scene):
-        self._twin, self._scene = twin, scene
+    def __init__(self, twin: Twin, scene: Scene, past: PastDrawings):
+        self._twin, self._scene, self._past = twin, scene, past
         self._rewind: Rewind | None = None
         self._pictures: deque[_Picture] = deque()
         self._size = 0  # bytes of the pictures
@@ -75,6 +77,7 @@ class Timeline:
             (self._rewind.open if is_watched else self._rewind.close)()
         if not is_watched:
             self.look_at_now()
+        self._past.keep(is_watched)
 
     def close(self) -> None:
         """Keep and draw nothing more."""
@@ -98,6 +101,7 @@ class Timeline:
         if self._looked is None:
             return None
         self._scene.show(self._looked.frame)
+        self._past.show(self._looked.time)
         return self._looked.time
 
     def _proceed(self, seconds: float) -> None:
@@ -164,7 +168,6 @@ class Timeline:
         self._twin.pause()
         self._present = self._twin.clock.step_count
         self._show(time)
-        self._scene.set_property(OVERLAYS, "visible", False)  # they show the present
 
     def look_by(self, count: int) -> None:
         """Pause, and look so many pictures after what is looked at, or before it.
@@ -204,7 +207,7 @@ class Timeline:
         self._replayed = None
         if self._looked is not None:
             self._looked = None
-            self._scene.set_property(OVERLAYS, "visible", True)
+            self._past.show_present()
 
     def go_on_from(self, time: float) -> float:
         """Return the twin to the last moment that is kept before a time (s), and let time continue.

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from lxml import etree
@@ -99,7 +100,7 @@ def read_scene(file: Path) -> tuple[Any, int]:
             check_gltf(file)
         if file.suffix.lower() == ".dae":
             _check_corners_of_dae(file)
-        scene = trimesh.load_scene(file, process=False)
+        scene = trimesh.load_scene(file, resolver=_resolver(file), process=False)
         unplaced = 0
         for geometry in scene.geometry.values():
             if len(getattr(geometry, "faces", ())):
@@ -110,6 +111,18 @@ def read_scene(file: Path) -> tuple[Any, int]:
         if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: turn its hull, too
             scene.apply_transform(Z_UP_TO_Y_UP.T)  # type: ignore[no-untyped-call]
         return scene, unplaced
+
+
+def _resolver(file: Path) -> Any:
+    """Return what finds a mesh's pictures also outside its folder: Gazebo's models have them in ../materials."""
+    from trimesh.resolvers import FilePathResolver
+
+    class Resolver(FilePathResolver):
+        def get(self, name: str) -> bytes:
+            beside = file.parent / unquote(name.strip()).removeprefix("file://")
+            return beside.read_bytes() if beside.is_file() else super().get(name)
+
+    return Resolver(str(file))
 
 
 def _check_corners_of_dae(file: Path) -> None:

@@ -89,11 +89,11 @@ class OwnRun:
         return {item.name: item.type for item in self._twin.graph.endpoints if item.kind == PUBLISHED}
 
     def read(self, topic: str, series: Series) -> Iterator[None]:
-        """Take the topic's messages as they come."""
+        """Take the topic's messages as they come, from now on."""
         rate = next(item.rate for item in self._twin.graph.endpoints if (item.kind, item.name) == (PUBLISHED, topic))
         seldom = rate / -(-rate // _MOST_A_SECOND) if rate else None
         self._ends.append(self._twin.subscribe(topic, lambda message: series.add(self._twin.time, message), seldom))
-        yield from ()
+        return iter(())
 
     def close(self) -> None:
         """Listen no more."""
@@ -231,6 +231,7 @@ class _Other:
             topic for topic, kind in own.topics().items() if others.get(topic) == kind and kind not in _NOT_COMPARED
         ]
         self._series = {topic: (Series(slides), Series(slides)) for topic in sorted(common)}
+        self._own_reading = {topic: own.read(topic, mine) for topic, (mine, _) in self._series.items()}
         self._work = self._reading()
         self._is_read = False
         self._read = 0  # topics
@@ -261,9 +262,15 @@ class _Other:
             "problem": "",
             "progress": None if self._is_read else round(self._read / max(1, len(self._series)), 2),
             "topics": len(self._series),
+            "meet": any(self._meet(own.times, other.times) for own, other in self._series.values()),
+            "until": round(self._bag.duration + self.shift, 3),
             "table": self._table,
             "curves": curves,
         }
+
+    def _meet(self, own: list[float], other: list[float]) -> bool:
+        """Return whether messages of the two are of the same time."""
+        return bool(own and other) and own[0] <= other[-1] + self.shift and other[0] + self.shift <= own[-1]
 
     def draw(self, scene: Scene, time: float) -> None:
         if self._player is None:
@@ -279,9 +286,9 @@ class _Other:
         self._bag.close()
 
     def _reading(self) -> Iterator[None]:
-        for topic, (own, other) in self._series.items():
+        for topic, (_, other) in self._series.items():
             yield from reading(self._bag, topic, other)
-            yield from self._own.read(topic, own)
+            yield from self._own_reading[topic]
             self._read += 1
 
     def _compare(self) -> None:

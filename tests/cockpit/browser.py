@@ -36,6 +36,8 @@ Object.defineProperty(window, "MeshCat", { configurable: true, set(library) {
 } });
 """
 
+READ_BACK = ("GL Driver Message", "ReadPixels", "willReadFrequently")  # tests look at what was drawn
+
 _ALSO_PLAYWRIGHT = "; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'"
 
 _SHORT, _LONG = 1000, 30_000  # ms that a look at the page waits for its element: between two frames, and else
@@ -81,6 +83,14 @@ def opened(browser):
     return tab
 
 
+def heard(tab, faults=None):
+    """The list that each error and each line of the console comes to, but for those that a test itself causes."""
+    faults = [] if faults is None else faults
+    tab.on("pageerror", lambda error: faults.append(str(error)))
+    tab.on("console", lambda line: any(text in line.text for text in READ_BACK) or faults.append(line.text))
+    return faults
+
+
 class Shown:
     """A twin, its page's server side, and browsers' tabs with the page."""
 
@@ -97,8 +107,7 @@ class Shown:
     def tab(self):
         """Opens the page in a new tab and waits until it shows something."""
         tab = opened(self._browser)
-        tab.on("pageerror", lambda error: self.faults.append(str(error)))
-        tab.on("console", lambda line: line.type == "error" and self.faults.append(line.text))
+        heard(tab, self.faults)
         self.tabs.append(tab)
         tab.goto(self.served.url)
         self.frames(lambda: len(self.served.server.clients) == len(self.tabs))
@@ -184,9 +193,10 @@ def open_tab(tab, name):
 
 
 def draw(tab):
-    """Draws the scene from now on."""
+    """Draws the scene from now on, each pixel of it."""
     tab.locator("#scene").evaluate(
-        "(frame) => { frame.contentWindow.isDrawn = true; frame.contentWindow.shownViewer.set_dirty(); }"
+        "({ contentWindow: scene }) => { if (!scene.isDrawn) scene.shownViewer.drawWhole(); scene.isDrawn = true;"
+        " scene.shownViewer.set_dirty(); }"
     )
 
 

@@ -395,3 +395,14 @@ def test_registered_panels_are_filled_for_each_twin_and_one_that_fails_is_named(
     with pytest.raises(InputError, match="cannot be a name on the page"):
         page_panel("")
     page.cockpit.close()
+
+
+def test_a_panel_that_is_refused_stops_no_other_from_drawing(page, panel):
+    class Refused:
+        def draw(self, scene, time):
+            raise InputError("not now")
+
+    page.cockpit.panels = {"refused": Refused(), **page.cockpit.panels}
+    panel.marker("goal", (1, 2, 3))
+    page.cockpit.draw()
+    assert page.cockpit._scene.has_path("/overlays/own")

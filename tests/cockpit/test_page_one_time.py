@@ -50,6 +50,11 @@ def middle(it):
     return it.twin.time - 1.0
 
 
+def closest(it, time):
+    """The picture that was drawn closest to a time; a slow machine draws few."""
+    return min(it.cockpit._timeline._pictures, key=lambda picture: abs(picture.time - time)).time
+
+
 def pause(it, tab):
     it.twin.pause()
     heard = it.cockpit.panels["topics"]._heard[STATES]
@@ -131,7 +136,7 @@ def test_a_click_in_a_plot_goes_there_while_time_stands_still(plotted):
     clicked = middle(it)
     tab.mouse.click(tab.evaluate(X_OF, clicked), area["y"] + 40)
     it.frames(lambda: it.cockpit._timeline._looked is not None)
-    assert it.cockpit._timeline._looked.time == pytest.approx(clicked, abs=0.04)
+    assert it.cockpit._timeline._looked.time == pytest.approx(closest(it, clicked), abs=0.04)
     first = it.cockpit._timeline._pictures[0].time
     it.frames(lambda: tab.locator(".timeline .hovered").count() == 1)
 
@@ -150,7 +155,7 @@ def test_a_click_in_a_plot_goes_there_while_time_stands_still(plotted):
 
 def test_a_message_goes_to_its_moment(plotted):
     it, tab = plotted
-    it.cockpit._log.time = when = middle(it)
+    it.cockpit._log.time = when = closest(it, middle(it))
     it.cockpit._log.add("info", "a thing happened")
     it.cockpit._log.time = when + 0.5
     it.cockpit._log.add("info", "a later thing")
@@ -159,10 +164,10 @@ def test_a_message_goes_to_its_moment(plotted):
     it.frames(lambda: row.count() == 1)
     row.get_by_role("button").press("Enter")
     it.frames(lambda: it.cockpit._timeline._looked is not None)
-    assert it.cockpit._timeline._looked.time == pytest.approx(when, abs=0.04)
+    assert it.cockpit._timeline._looked.time == pytest.approx(when, abs=1e-3)
     assert it.twin.clock.paused
     later = tab.locator("#messages li.later")
-    it.frames(lambda: later.all_inner_texts() and "a later thing" in later.all_inner_texts()[0])
+    it.frames(lambda: any("a later thing" in text for text in later.all_inner_texts()))
 
 
 def test_the_last_minute_plays_again_by_keyboard(plotted):
@@ -185,6 +190,7 @@ def test_the_last_minute_plays_again_by_keyboard(plotted):
 
 def test_what_happened_is_found(plotted):
     it, tab = plotted
+    pause(it, tab)  # what has happened is the present, for the page
     it.twin.control.emergency_stop("robot_1")
     stopped = it.twin.time
     it.frames(lambda: tab.locator(".marks i[title*='emergency stop']").count() == 1)
@@ -193,4 +199,4 @@ def test_what_happened_is_found(plotted):
     it.frames(lambda: "command at" in tab.locator("#found li").first.inner_text())
     tab.get_by_role("combobox", name="Find").press("Enter")
     it.frames(lambda: it.cockpit._timeline._looked is not None)
-    assert it.cockpit._timeline._looked.time == pytest.approx(stopped, abs=0.04)
+    assert it.cockpit._timeline._looked.time == closest(it, stopped)

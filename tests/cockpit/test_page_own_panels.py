@@ -10,7 +10,6 @@ from browser import BROWSER_TESTS, browser, changed, picture, show
 from conftest import rovers
 from docs.draw_panel import saved
 from robots_to_steer import WHEELS_1
-from test_page_accessibility import RUN, axe, looks
 
 from drake_twin.cli.plugins import load_panels
 from drake_twin.cockpit.page_panel import PAGE_PANELS
@@ -210,25 +209,6 @@ def test_a_panel_comes_goes_and_is_found(shown):
     panel.remove()
     it.frames(lambda: tab.locator(".own-panel").count() == 1)
     assert tab.locator(".own-panel h2").inner_text() == "Other"
-
-
-@looks(("wide", "light"), ("phone", "dark"))
-def test_it_breaks_no_rule_of_accessibility(shown, axe, scheme, size):
-    it, tab, add = shown
-    tab.emulate_media(color_scheme=scheme, reduced_motion="reduce")
-    tab.set_viewport_size({"width": size[0], "height": size[1]})
-    panel = add("Gripper")
-    controls = fill(panel, it.twin, [])
-    controls["gait"].enabled = False
-    panel.button("Break", on_press=lambda: 1 / 0)
-    breaks = tab.get_by_role("button", name="Break")
-    it.frames(lambda: breaks.count() == 1)
-    breaks.press("Enter")
-    it.frames(lambda: tab.locator(".own .refusal:visible").count() >= 1)
-    it.frames(lambda: tab.locator(".own img:visible").count() == 1)
-    tab.evaluate(axe)
-    assert tab.evaluate(RUN) == []
-    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
 def test_the_panel_of_the_documentation_drives_its_rover(show, tmp_path, monkeypatch):

@@ -6,7 +6,6 @@ import pytest
 from browser import BROWSER_TESTS, browser, open_tab, page, show
 from conftest import ARM, rovers
 from show_menu import close, switch
-from test_page_accessibility import RUN, axe
 
 from drake_twin import TwinBuilder
 from drake_twin.cockpit.overlay import OVERLAY_KINDS, overlay
@@ -82,16 +81,6 @@ def test_what_is_on_is_kept_for_the_scenario_and_not_for_another(show):
         it.frames(lambda: tab.locator("body.ready").count() == 1)
         it.for_frames(10)
         assert sorted(it.cockpit._overlays) == shown
-
-
-def test_the_menu_breaks_no_rule_of_accessibility(page, axe):
-    it, tab = page
-    tab.evaluate(axe)
-    for size in ((1280, 800), (390, 844)):
-        tab.set_viewport_size({"width": size[0], "height": size[1]})
-        switch(tab, "Names")
-        it.for_frames(3)
-        assert tab.evaluate(RUN) == []
 
 
 def test_the_help_lists_the_keys(page):

@@ -11,7 +11,8 @@ from show_menu import press
 
 from drake_twin import TwinBuilder
 from drake_twin.builder.demo import demo_scenario
-from drake_twin.scenario import Robot
+from drake_twin.cockpit.scene import OVERLAYS
+from drake_twin.scenario import Robot, World
 
 pytestmark = BROWSER_TESTS
 
@@ -144,3 +145,65 @@ def test_what_is_deleted_leaves_nothing_on_the_graphics_card(show):
     after = held()
     assert after["geometries"] <= before["geometries"]
     assert after["textures"] <= before["textures"]
+
+
+def standing(folder, *boxes):
+    """A robot that is part of the world: boxes of a size at places (m)."""
+    visuals = "".join(
+        f'<visual><origin xyz="{at}"/><geometry><box size="{size}"/></geometry></visual>' for size, at in boxes
+    )
+    (folder / "drawn.urdf").write_text(
+        f'<robot name="drawn"><link name="world"/><link name="base">{visuals}</link><joint name="fixed" type="fixed">'
+        '<parent link="world"/><child link="base"/></joint></robot>'
+    )
+    return TwinBuilder().robot("drawn", str(folder / "drawn.urdf"))
+
+
+def seen_from(it, tab, eye, target):
+    """The picture from a place to another one (m, in the world), and a function that gives colors around a point."""
+    it.twin.pause()
+    it.frames(lambda: bool(tools(tab, f"boxOf({list(it.twin.robots)})")))
+    it.for_frames(3)
+    place = [number for x, y, z in (eye, target) for number in (x, z, -y)]
+    tools(tab, f"placeCamera({place})")
+    shot = picture(tab)
+
+    def around(x, y, z=0.0):
+        at = tools(tab, f"onPicture([{x}, {y}, {z}])")
+        row, column = round(at["y"]), round(at["x"])
+        return shot[row - 1 : row + 2, column - 1 : column + 2].mean(axis=(0, 1))
+
+    return shot, around
+
+
+def test_what_has_gone_far_beyond_the_cameras_target_has_a_shadow(show, tmp_path):
+    """1 m high over the ground, and 4 m behind a target that is 3.4 m away; the shadow falls 0.56 m to the rear."""
+    it, tab = show(standing(tmp_path, ("0.6 0.6 0.2", "0 4 1")).scenario())
+    _, around = seen_from(it, tab, (0, -3, 1.5), (0, 0, 0))
+    assert around(-0.56, 4.1).sum() < 0.85 * around(0.7, 4.1).sum()
+
+
+def test_points_just_inside_a_wall_are_seen(show, tmp_path):
+    """What a lidar measures is behind the surface as often as before it."""
+    it, tab = show(standing(tmp_path, ("0.2 2 2", "0 0 1")).scenario())
+    points = np.array([[0.1 - 0.03, 0.02 * y, 1.0] for y in range(-9, 10)])
+    it.scene.set_points(f"{OVERLAYS}/measured", points, (1.0, 0.0, 0.0), 0.04)
+    _, around = seen_from(it, tab, (3, 0, 1.5), (0, 0, 1))
+    red, green, _ = around(0.1, 0.0, 1.0)
+    assert red > 3 * green
+
+
+def test_the_ground_of_gazebos_worlds_has_no_end(show, tmp_path):
+    """A plane has none in its physics; the SDF file's 100 m are what Gazebo draws of it."""
+    plane = "<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>"
+    brown = "<material><diffuse>0.6 0.3 0.1 1</diffuse></material>"
+    (tmp_path / "plain.sdf").write_text(
+        '<sdf version="1.9"><world name="plain"><model name="ground_plane"><static>true</static><link name="link">'
+        f'<visual name="seen">{plane}{brown}</visual><collision name="felt">{plane}</collision></link></model>'
+        "</world></sdf>"
+    )
+    it, tab = show(rovers(1, world=World(file=str(tmp_path / "plain.sdf"))).scenario())
+    _, around = seen_from(it, tab, (-20, 0, 8), (20, 0, 0))
+    for x in (40.0, 75.0, 90.0):
+        red, _, blue = around(x, 3.0)
+        assert red > 2 * blue, x

@@ -271,3 +271,15 @@ def test_the_systems_of_the_diagram_lead_to_their_topics(driving):
     open_diagram(it, tab)
     dialog.get_by_role("button", name="Close").click()
     it.frames(lambda: not dialog.is_visible())
+
+
+def test_the_focus_stays_on_a_topic_when_others_come(driving):
+    it, tab = driving
+    open_tab(tab, "ROS")
+    tab.locator(".topics-panel summary", has_text="Topics").press("Enter")
+    button = tab.get_by_title("/robot_2/joint_states", exact=True)
+    it.frames(lambda: button.count() == 1)
+    button.focus()
+    it.twin.entities.delete("robot_1")
+    it.frames(lambda: tab.locator(".topics [title^='/robot_1/']").count() == 0)
+    assert tab.evaluate("document.activeElement.title") == "/robot_2/joint_states"

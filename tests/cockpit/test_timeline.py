@@ -10,7 +10,7 @@ from fake_page import FakePage
 
 from drake_twin import Robot, Twin
 from drake_twin.cockpit import protocol
-from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.cockpit.scene import Scene
 
 WHEELS = "/robot_1/forward_velocity_controller/commands"
 
@@ -105,19 +105,6 @@ def test_a_present_that_changes_is_drawn(driving, request_):
         driving.run_to(1.1)
     assert driving.told["looked"] is None
     assert driving.drawn_x == pytest.approx(true_x(driving.twin), abs=1e-6)
-
-
-def test_overlays_of_the_present_are_hidden_meanwhile(driving):
-    def visible():
-        commands = map(umsgpack.unpackb, driving.scene.everything().contents())
-        found = [item["value"] for item in commands if item["path"] == OVERLAYS and item.get("property") == "visible"]
-        return found[-1] if found else True
-
-    driving.run_to(1.0)
-    driving.ask(protocol.Look(0.5))
-    assert visible() is False
-    driving.ask(protocol.LookAtNow())
-    assert visible() is True
 
 
 def test_robots_that_were_deleted_are_seen_again(driving):

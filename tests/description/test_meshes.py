@@ -143,6 +143,36 @@ def test_a_texture_beside_an_obj_is_carried_inside_the_gltf(tmp_path):
     assert "TEXCOORD_0" in gltf["meshes"][0]["primitives"][0]["attributes"]
 
 
+PAINT = """<library_images><image id="picture"><init_from>../materials/textures/red%20paint.png</init_from></image>
+  </library_images><library_effects><effect id="fx"><profile_COMMON><technique sid="standard"><phong><diffuse>
+    <texture texture="picture" texcoord="CHANNEL0"/></diffuse></phong></technique></profile_COMMON></effect>
+  </library_effects><library_materials><material id="m"><instance_effect url="#fx"/></material></library_materials>
+  <library_geometries>"""
+CORNER = """<source id="t"><float_array id="ta" count="2">0 0</float_array><technique_common>
+  <accessor source="#ta" count="1" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor>
+  </technique_common></source><vertices"""
+TRIANGLE = '<input semantic="TEXCOORD" source="#t" offset="1"/><p>0 0 1 0 2 0'
+BOUND = """#g"><bind_material><technique_common><instance_material symbol="m" target="#m"/></technique_common>
+  </bind_material></instance_geometry>"""
+
+
+@pytest.mark.parametrize("suffix", ["dae", "obj"])
+def test_a_texture_in_the_folder_of_materials_is_carried_too(tmp_path, suffix):
+    """As in models of Gazebo; COLLADA as 3ds Max writes it: a texture that names its picture without a sampler."""
+    meshes, textures = tmp_path / "model" / "meshes", tmp_path / "model" / "materials" / "textures"
+    for folder in (meshes, textures):
+        folder.mkdir(parents=True)
+    write_textured_obj(meshes)
+    (meshes / "square.mtl").write_text("newmtl paint\nKd 1 1 1\nmap_Kd ../materials/textures/paint.png\n")
+    (textures / "red paint.png").write_bytes((meshes / "paint.png").read_bytes())
+    (meshes / "paint.png").rename(textures / "paint.png")
+    text = COLLADA.format(unit="", place="").replace("<library_geometries>", PAINT).replace("<vertices", CORNER)
+    text = text.replace('count="1"><input', 'count="1" material="m"><input').replace("<p>0 1 2", TRIANGLE)
+    (meshes / "square.dae").write_text(text.replace('#g"/>', BOUND))
+    gltf = json.loads(visual_mesh(meshes / f"square.{suffix}").read_text())
+    assert picture_in(gltf).convert("RGB").getpixel((0, 0)) == (255, 0, 0)
+
+
 def test_a_texture_inside_a_glb_stays_inside(tmp_path):
     mesh = box()
     picture = trimesh.visual.material.PBRMaterial(baseColorTexture=Image.new("RGB", (2, 2), (0, 0, 255)))

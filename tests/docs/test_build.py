@@ -101,3 +101,7 @@ def test_a_broken_link_and_a_system_without_a_name_fail(tmp_path, text, warning)
     run = build(source, tmp_path / "html")
     assert run.returncode != 0
     assert warning in run.stderr
+
+
+def test_the_names_are_listed():
+    assert set(drake_twin.__all__) <= set(dir(drake_twin))

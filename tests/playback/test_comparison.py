@@ -92,6 +92,32 @@ def test_a_run_is_compared_as_it_goes_on(bags):
     panel.close()
 
 
+def test_a_run_is_compared_from_the_moment_on_that_the_bag_was_opened_though_no_page_was(bags):
+    twin = driving(2.0).build()
+    panel = Comparison(twin)
+    panel.open(bags / "other")
+    twin.advance_to(3.0)  # the bag ends at 2 s
+    state = read(panel)
+    assert state["meet"]
+    assert f"velocity[{REAR}]" in [row["field"] for row in state["table"]]
+    panel.close()
+
+
+def test_a_run_that_is_past_the_bags_end_is_not_called_equal(bags):
+    twin = driving(2.0).build()
+    twin.advance_to(3.0)
+    panel = Comparison(twin)
+    panel.open(bags / "other")
+    twin.advance_to(3.5)
+    state = read(panel)
+    assert (state["table"], state["meet"]) == ([], False)
+    assert state["until"] == pytest.approx(2.0, abs=0.02)
+    twin.reset()
+    twin.advance_to(1.0)
+    assert panel.state()["meet"]
+    panel.close()
+
+
 def test_the_others_robots_are_drawn_where_they_were(playing, bags):
     scene = Scene()
     playing.comparison.open(bags / "other")

@@ -11,7 +11,7 @@ from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.shared_viewer.meshcat_protocol import TransformWriter
 from drake_twin.twin.twin import Twin
 
-_PATH = f"{OVERLAYS}/contact"
+_PATH = f"{OVERLAYS}/contacts"
 _NEWTONS_PER_METER = 100.0  # the arrow of a rover's wheel that carries 20 N is 0.2 m long
 _LEAST = 0.05  # N; smaller forces are not drawn
 _RADIUS = 0.006  # m

@@ -9,6 +9,7 @@
   const ERROR = 0.35; // pixels by which fewer segments may be seen
   const TINY = 11; // pixels of radius up to which parts have no gloss and no shadows on them
   const SHADOWED = 3.5; // times half the width of the sun's shadows: what is farther from the camera's target has none
+  const CALL = 64000; // vertices in a call at most
   const MOST = 64; // parts in a call: their places are 192 of the at least 256 vectors that shaders are given
   const PLACE = 12; // numbers of a place: three rows of a matrix
 
@@ -17,7 +18,7 @@
   let isStale = true; // something was drawn or deleted
 
   function hash(values) {
-    const bits = new Uint32Array(values.buffer, values.byteOffset, values.byteLength >> 2);
+    const bits = values.byteLength % 4 || values.byteOffset % 4 ? values : new Uint32Array(values.buffer, values.byteOffset, values.byteLength >> 2);
     let [one, other] = [0x811c9dc5, 0x9e3779b9];
     for (let index = 0; index < bits.length; index++) {
       one = Math.imul(one ^ bits[index], 0x01000193);
@@ -29,22 +30,24 @@
   function lookOf(geometry) {
     if (!looks.has(geometry)) {
       const { type, parameters, attributes, index } = geometry;
-      const arrays = () => [index, ...Object.values(attributes)].map((each) => (each?.array.byteLength % 4 === 0 ? hash(each.array) : geometry.uuid));
+      const arrays = () => [index, ...Object.values(attributes)].map((each) => each && hash(each.array));
       looks.set(geometry, `${type} ${parameters ? JSON.stringify(parameters) : [Object.keys(attributes), ...arrays()]}`);
     }
     return looks.get(geometry);
   }
 
   function kindOf({ geometry, material }) {
-    const { color, emissive, specular, shininess, side, vertexColors, map } = material;
+    const { color, emissive, specular, shininess, side, vertexColors, flatShading, wireframe, alphaTest } = material;
     const hexes = [color, emissive, specular].map((each) => each.getHex());
-    return [...hexes, shininess, side, vertexColors, map?.uuid, lookOf(geometry)].join();
+    const textures = Object.entries(material).map(([use, each]) => (each?.isTexture ? use + each.uuid : ""));
+    return [...hexes, shininess, side, vertexColors, flatShading, wireframe, alphaTest, ...textures, lookOf(geometry)].join();
   }
 
   // What is mirrored has its faces the other way round, and what is behind translucent parts is drawn by distance.
   function canShare({ isMesh, userData, geometry, material, matrixWorld }) {
     const isSmall = isMesh && !userData.isGround && geometry.attributes.position?.count <= SMALL;
-    return isSmall && material.isMeshPhongMaterial && !material.transparent && matrixWorld.determinant() > 0;
+    const isPlain = isSmall && Object.values(geometry.attributes).every((each) => each.isBufferAttribute);
+    return isPlain && material.isMeshPhongMaterial && !material.transparent && matrixWorld.determinant() > 0;
   }
 
   function gather() {
@@ -63,7 +66,7 @@
   // What draws these parts, from tiny ones to those as they are; each with the largest radius, in pixels, that it draws.
   function levelsOf(parts) {
     const [{ geometry, material }] = parts;
-    const light = material.emissive.getHex() ? material : lightly(material);
+    const light = material.emissive.getHex() || !geometry.attributes.normal ? material : lightly(material);
     const level = (shape, segments) => {
       const most = segments ? ERROR / (1 - Math.cos(Math.PI / segments)) : Infinity;
       return { ...drawTogether(shape, most <= TINY ? light : material, parts.length), most };
@@ -74,26 +77,29 @@
   }
 
   // A material with the scene's light, computed at vertices: less than half the cost where triangles are as small as pixels.
-  function lightly({ color, vertexColors, map, side, shadowSide }) {
-    const light = new THREE.MeshBasicMaterial({ color, vertexColors, map, side, shadowSide });
+  function lightly({ color, vertexColors, map, alphaTest, side, shadowSide, specular }) {
+    const light = new THREE.MeshBasicMaterial({ color, vertexColors, map, alphaTest, side, shadowSide });
+    light.userData.gloss = specular.r;
     light.onBeforeCompile = shineAtVertices;
     return light;
   }
 
   function shineAtVertices(shader) {
-    Object.assign(shader.uniforms, lights);
+    Object.assign(shader.uniforms, lights, { uMirrored: viewer.lights.mirrored, uGloss: { value: this.userData.gloss } });
     shader.vertexShader = shader.vertexShader
-      .replace("void main() {", "uniform vec3 uSky, uGround, uSun, uToSun;\nvarying vec3 vLight;\nvoid main() {")
+      .replace("void main() {", `uniform vec3 uSky, uGround, uSun, uToSun;\nuniform float uGloss;\nvarying vec3 vLight, vGloss;\n${viewer.lights.mirror}void main() {`)
       .replace(
         "#include <project_vertex>",
         `#include <project_vertex>
         mat3 turn = mat3(instanceMatrix);
         vec3 upright = normalize(turn * (normal / vec3(dot(turn[0], turn[0]), dot(turn[1], turn[1]), dot(turn[2], turn[2]))));
-        vLight = mix(uGround, uSky, 0.5 + 0.5 * upright.y) + uSun * max(dot(upright, uToSun), 0.0);`,
+        vLight = mix(uGround, uSky, 0.5 + 0.5 * upright.y) + uSun * max(dot(upright, uToSun), 0.0);
+        vGloss = mirror(uGloss, normalize(-mvPosition.xyz), normalize(mat3(viewMatrix) * upright));`,
       );
     shader.fragmentShader = shader.fragmentShader
-      .replace("void main() {", "varying vec3 vLight;\nvoid main() {")
-      .replace("#include <color_fragment>", "#include <color_fragment>\ndiffuseColor.rgb *= vLight;");
+      .replace("void main() {", "varying vec3 vLight, vGloss;\nvoid main() {")
+      .replace("#include <color_fragment>", "#include <color_fragment>\ndiffuseColor.rgb *= vLight;")
+      .replace("#include <envmap_fragment>", "outgoingLight += vGloss;");
   }
 
   const lights = { uSky: { value: new THREE.Color() }, uGround: { value: new THREE.Color() }, uSun: { value: new THREE.Color() }, uToSun: { value: new THREE.Vector3() } };
@@ -116,9 +122,10 @@
   // Meshes of copies of a geometry, of which `place` draws as many as are seen.
   function drawTogether(geometry, material, count) {
     if (!geometry.boundingSphere) geometry.computeBoundingSphere();
-    const shape = copies(geometry, Math.min(count, MOST));
-    const meshes = Array.from({ length: Math.ceil(count / MOST) }, () => {
-      const drawn = new THREE.Mesh(shape.clone(), material.clone());
+    const each = Math.max(1, Math.min(count, MOST, Math.floor(CALL / geometry.attributes.position.count)));
+    const shape = copies(geometry, each);
+    const meshes = Array.from({ length: Math.ceil(count / each) }, () => {
+      const drawn = new THREE.Mesh(sharing(shape), material.clone());
       drawn.customDepthMaterial = new THREE.MeshDepthMaterial({ depthPacking: THREE.RGBADepthPacking });
       drawn.places = new Float32Array(PLACE * MOST);
       placedBy(drawn.places, drawn.material, material.onBeforeCompile);
@@ -129,18 +136,25 @@
       viewer.scene.add(drawn);
       return drawn;
     });
-    return { meshes, ball: geometry.boundingSphere, indices: (geometry.index ?? geometry.attributes.position).count };
+    return { meshes, each, ball: geometry.boundingSphere, indices: (geometry.index ?? geometry.attributes.position).count };
+  }
+
+  // A geometry with the same arrays, and a range of its own.
+  function sharing({ attributes, index }) {
+    const geometry = new THREE.BufferGeometry().setIndex(index);
+    for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
+    return geometry;
   }
 
   function copies(geometry, count) {
     const many = new THREE.BufferGeometry();
     const vertices = geometry.attributes.position.count;
-    const repeat = (array, item) => {
+    const repeat = ({ array, itemSize, normalized }) => {
       const all = new array.constructor(array.length * count);
       for (let copy = 0; copy < count; copy++) all.set(array, copy * array.length);
-      return new THREE.BufferAttribute(all, item);
+      return new THREE.BufferAttribute(all, itemSize, normalized);
     };
-    for (const [name, { array, itemSize }] of Object.entries(geometry.attributes)) many.setAttribute(name, repeat(array, itemSize));
+    for (const [name, attribute] of Object.entries(geometry.attributes)) many.setAttribute(name, repeat(attribute));
     const parts = Float32Array.from({ length: vertices * count }, (_, vertex) => Math.floor(vertex / vertices));
     many.setAttribute("part", new THREE.BufferAttribute(parts, 1));
     const own = geometry.index?.array ?? Array.from({ length: vertices }, (_, vertex) => vertex);
@@ -189,22 +203,23 @@
       const radius = (pixels * ball.radius) / Math.max(eye.distanceTo(ball.center) - ball.radius, 1e-6);
       const level = levels.find(({ most }) => radius <= most);
       const { elements } = part.matrixWorld;
-      const { places } = level.meshes[Math.floor(level.count / MOST)];
-      for (let row = 0, at = PLACE * (level.count % MOST); row < 3; row++) for (let column = 0; column < 4; column++) places[at++] = elements[4 * column + row];
+      const { places } = level.meshes[Math.floor(level.count / level.each)];
+      for (let row = 0, at = PLACE * (level.count % level.each); row < 3; row++) for (let column = 0; column < 4; column++) places[at++] = elements[4 * column + row];
       level.count++;
     }
-    for (const { meshes, count, indices } of levels) {
+    for (const { meshes, each, count, indices } of levels) {
       meshes.forEach((mesh, number) => {
-        const left = Math.min(Math.max(count - MOST * number, 0), MOST);
+        const left = Math.min(Math.max(count - each * number, 0), each);
         mesh.visible = left > 0;
         mesh.geometry.setDrawRange(0, left * indices);
       });
     }
   }
 
+  // Whether a part is in the scene and visible; a preview that is over is not.
   function isShown(object) {
-    for (let each = object; each; each = each.parent) if (!each.visible) return false;
-    return true;
+    for (let each = object; each?.visible; each = each.parent) if (each === viewer.scene) return true;
+    return false;
   }
 
   // Draw again after materials have changed.
@@ -228,6 +243,7 @@
   const { renderer } = viewer;
   const { render } = renderer;
   renderer.render = function (scene, camera) {
+    if (scene !== viewer.scene) return render.call(renderer, scene, camera); // such as the sky's, for what it lights
     scene.updateMatrixWorld();
     if (!camera.parent) camera.updateMatrixWorld();
     if (isStale) gather();

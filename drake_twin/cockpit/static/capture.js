@@ -10,7 +10,7 @@ const KINDS = ["video/webm;codecs=vp9", "video/webm", "video/mp4"];
 export class Capture {
   constructor() {
     const button = (text, title, onclick) => element("button", { class: "small", text, title, onclick });
-    this.video = button("Video", "Record a video of the scene", () => this.toggleVideo());
+    this.video = button("Video", "Record a video, a film of the scene", () => this.toggleVideo());
     this.measured = button("Measure", "Measure a distance: press two points in the scene", () => this.toggleMeasure());
     this.measured.setAttribute("aria-pressed", "false");
     this.distance = element("output", { class: "distance" });

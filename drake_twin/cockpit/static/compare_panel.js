@@ -7,6 +7,15 @@ import { cursor } from "../time_cursor.js";
 const LOOK = 1000; // ms between two requests for curves
 const short = (number) => (number !== 0 && (number >= 1e4 || number < 1e-3) ? number.toExponential(2) : String(Number(number.toPrecision(3))));
 
+// What the comparison has come to so far.
+function found(progress, topics, meet, until, count) {
+  const both = topics === 1 ? "the topic" : `the ${topics} topics`;
+  if (progress !== null) return `Reading: ${(100 * progress).toFixed(0)} %`;
+  if (topics === 0) return "The two have no topic in common that can be compared.";
+  if (!meet) return `Nothing is compared yet: no message of the run is of a time that the bag has, which ends at ${until.toFixed(2)} s. Reset (R) begins at 0 s again.`;
+  return count ? `Of ${both} that both have` : `No difference in ${both} that both have.`;
+}
+
 export default class ComparePanel {
   constructor(ask) {
     this.ask = ask;
@@ -37,7 +46,7 @@ export default class ComparePanel {
     for (const [topic, field = ""] of plots.missingBeside()) this.ask({ do: "Plot", topic, field });
   }
 
-  state({ name, problem, progress = null, topics = 0, table = [], curves = {} }) {
+  state({ name, problem, progress = null, topics = 0, meet = true, until = 0, table = [], curves = {} }) {
     if (name !== this.name) {
       this.name = name;
       plots.layBeside(name);
@@ -49,8 +58,7 @@ export default class ComparePanel {
     this.head.hidden = this.status.hidden = !name;
     this.scroll.hidden = !name || table.length === 0;
     setText(this.with, `With ${name}: dashed curves, pale robots`);
-    const count = topics === 1 ? "the topic" : `the ${topics} topics`;
-    setText(this.status, progress !== null ? `Reading: ${(100 * progress).toFixed(0)} %` : topics === 0 ? "The two have no topic in common that can be compared." : table.length ? `Of ${count} that both have` : `No difference in ${count} that both have.`);
+    setText(this.status, found(progress, topics, meet, until, table.length));
     plots.takeBeside(curves);
     const text = JSON.stringify(table);
     if (text === this.text) return;

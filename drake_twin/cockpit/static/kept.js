@@ -14,10 +14,10 @@ function stored() {
   }
 }
 
-// The scenario that this tab of the browser showed first: robots come and go.
+// The scenario that this tab of the browser shows, or, until that is known, the one that it showed last.
 function scenario(name) {
   try {
-    if (name && !sessionStorage.getItem(STORED)) sessionStorage.setItem(STORED, name);
+    if (name) sessionStorage.setItem(STORED, name);
     return sessionStorage.getItem(STORED) ?? "";
   } catch {
     return name ?? "";

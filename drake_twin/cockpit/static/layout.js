@@ -1,7 +1,7 @@
 // The shape of the page: the side panel's width, side and tab, which of its groups are folded. A browser keeps them (kept.js).
 
 import { $, element } from "./dom.js";
-import { isNew, keep, kept } from "./kept.js";
+import { keep, kept } from "./kept.js";
 import { OTHERS, Tabs } from "./tabs.js";
 
 const USUAL = 372; // px
@@ -50,8 +50,8 @@ export class Layout {
   }
 
   // Show what was kept, once it is known which scenario the page shows.
-  structure({ layout }) {
-    if (isNew(layout)) this.restore();
+  structure({ isNew }) {
+    if (isNew) this.restore();
     this.tabs.tidy();
   }
 

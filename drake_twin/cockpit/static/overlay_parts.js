@@ -86,6 +86,20 @@
     material.dispose();
   }
 
+  // What a lidar measures is on surfaces, but for its noise: draw points in front of what is that little before them.
+  const NOISE = 0.05; // m
+
+  function lift(points) {
+    points.material.onBeforeCompile = (shader) => {
+      shader.vertexShader = shader.vertexShader.replace(
+        "#include <project_vertex>",
+        `#include <project_vertex>
+        vec4 nearer = projectionMatrix * (mvPosition + vec4(0.0, 0.0, ${NOISE}, 0.0));
+        if (nearer.w > 0.0) gl_Position.z = nearer.z / nearer.w * gl_Position.w;`,
+      );
+    };
+  }
+
   // Copies of what is drawn of bodies, one material for each color; they are filled again when anything is drawn anew.
   const ghosts = new Set();
   const tints = new Map();
@@ -154,7 +168,7 @@
     }
     if (isOverlay(path) && object.isObject3D) {
       const found = [];
-      object.traverse((part) => part.isLineSegments && found.push(part));
+      object.traverse((part) => (part.isPoints ? lift(part) : part.isLineSegments && found.push(part)));
       found.forEach(thicken);
       if (object.userData?.label) labels.set(object, labelOf(object.userData.label));
     }

@@ -5,6 +5,7 @@ import { Capture } from "./capture.js";
 import { Connection } from "./connection.js";
 import { $, setIcon, setText } from "./dom.js";
 import { Help } from "./help.js";
+import { isNew } from "./kept.js";
 import { Layout } from "./layout.js";
 import { Messages } from "./messages.js";
 import { MoreViews } from "./more_views.js";
@@ -51,6 +52,7 @@ connection = new Connection({
   on: {
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
+      structure.isNew = isNew(structure.layout);
       for (const part of [time, timeline, view, show, robots, sensors, panels, camera, moreViews]) part.structure(structure);
       layout.structure(structure);
     },

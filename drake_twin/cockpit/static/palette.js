@@ -41,9 +41,9 @@ export class Palette {
   find() {
     const words = this.input.value.toLowerCase().split(/\s+/).filter(Boolean);
     const found = [...this.others, ...this.offered].filter(({ text, about }) => words.every((word) => `${text} ${about}`.toLowerCase().includes(word)));
-    // What has the words in its own name comes first, then the shorter name.
+    // What has the words in its own name comes first, then what switches nothing on or off, then the shorter name.
     const rank = ({ text }) => words.filter((word) => !text.toLowerCase().includes(word)).length;
-    if (words.length) found.sort((one, other) => rank(one) - rank(other) || one.text.length - other.text.length);
+    if (words.length) found.sort((one, other) => rank(one) - rank(other) || isSwitch(one) - isSwitch(other) || one.text.length - other.text.length);
     this.found = found.slice(0, MOST);
     this.results.replaceChildren(...this.found.map((command, index) => this.row(command, index)));
     this.none.textContent = found.length ? (found.length > MOST ? `${found.length - MOST} more` : "") : "Nothing has these words.";
@@ -90,6 +90,8 @@ export class Palette {
   }
 }
 
+const isSwitch = ({ node }) => Number(node?.type === "checkbox");
+
 // Whether somebody could operate it now, if what is around it were unfolded.
 function isOffered(node) {
   if (!node.closest(HERE) || node.disabled || node.closest("[inert], [data-listed]")) return false;
@@ -113,8 +115,8 @@ function nameOf(node) {
 function commandOf(node, robot = node.closest("[data-robot]")?.dataset.robot ?? "", open = () => {}) {
   const group = [node.closest(".group")?.dataset.tab, node.closest(".own-panel")?.ariaLabel].filter(Boolean).join(" · ");
   const name = nameOf(node);
-  const state = node.type === "checkbox" ? (node.checked ? "on" : "off") : node.localName === "summary" ? "open" : "";
-  return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), run: () => (open(), operate(node)) };
+  const state = node.type === "checkbox" ? `switch, ${node.checked ? "on" : "off"}` : node.localName === "summary" ? "open" : "";
+  return { text: name, about: [name.includes(robot) ? "" : robot, group, state].filter(Boolean).join(" · "), node, run: () => (open(), operate(node)) };
 }
 
 function operate(node) {

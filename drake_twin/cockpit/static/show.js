@@ -1,34 +1,15 @@
 // What is drawn besides the robots: one menu with a switch and a key for each; the browser keeps what is on for a scenario.
 
 import { $, element, setText, toggle } from "./dom.js";
+import { keep, kept } from "./kept.js";
 
-const STORED = "drake_twin shown ";
 const MENU_KEY = "V";
 const SAID = 1500; // ms that the page says what a key has switched
-
-// A browser may forbid storage; the switches work without it.
-function stored(layout) {
-  try {
-    const names = JSON.parse(localStorage.getItem(STORED + layout));
-    return Array.isArray(names) ? names : [];
-  } catch {
-    return [];
-  }
-}
-
-function store(layout, names) {
-  try {
-    localStorage.setItem(STORED + layout, JSON.stringify(names));
-  } catch {
-    // It is not kept then.
-  }
-}
 
 export class Show {
   constructor(ask) {
     this.ask = ask;
     this.items = new Map(); // name → its switch
-    this.layout = null;
     this.isRestored = false;
     this.search = element("input", { type: "search", placeholder: "Search", "aria-label": "Search what can be shown", spellcheck: "false", autocomplete: "off" });
     this.list = element("ul", {});
@@ -61,15 +42,14 @@ export class Show {
     this.list.append(row);
   }
 
-  structure({ overlays, layout }) {
+  // Switch on what was kept; another twin at the same address has nothing of this one.
+  structure({ overlays, isNew }) {
     for (const overlay of overlays) this.add(overlay);
-    const isOther = this.layout !== null && layout !== this.layout; // another twin at the same address
-    if (this.isRestored && !isOther) return;
-    this.layout = layout;
+    if (this.isRestored && !isNew) return;
     this.isRestored = true;
-    const kept = stored(layout);
+    const { shown } = kept();
     for (const [name, { input }] of this.items) {
-      const on = kept.includes(name) || (input.checked && !isOther);
+      const on = (Array.isArray(shown) && shown.includes(name)) || (input.checked && !isNew);
       if (on === input.checked) continue;
       input.checked = on;
       input.dispatchEvent(new Event("change"));
@@ -91,7 +71,7 @@ export class Show {
   }
 
   keep() {
-    if (this.layout !== null) store(this.layout, this.names);
+    if (this.isRestored) keep({ shown: this.names });
     this.count();
   }
 

@@ -15,11 +15,22 @@
   const SEEN = { least: 60, most: 900, times: 25 }; // m: how far the ground is seen, from a camera that far from its target
   const [CLOSE, AFAR] = [0.4, 60]; // m: where the grid is ten times finer and coarser
   const SIDE = 4000; // m, of the ground
-  const SHADOWED = { least: 0.1, most: 60, times: 0.6 }; // m around the camera's target, that far from it
+  const ENDLESS = 100; // m, of sides from which on a plane is that of a world, which has no end
+  const SHADOWED = { least: 0.15, most: 60, times: 1.3, ahead: 0.5, step: 0.25 }; // m around the camera's target, that far from it; of that, behind the target
   const CLOSED = ["BoxGeometry", "SphereGeometry", "CylinderGeometry"]; // whose insides nobody sees
   const TEXELS = isSoftware ? 1024 : 2048; // along each side of the shadows
   const OPAQUE = 0.5; // what is less so has no shadow
   const GLOSS = { most: 0.025, least: 0.004 }; // of the light that dark and bright paint reflects
+
+  // A smooth surface reflects the sky, more so towards its edges: what is black would have no form else.
+  const MIRROR = `
+    uniform float uMirrored;
+    vec3 mirror(float gloss, vec3 toEye, vec3 normal) {
+      float upwards = dot(reflect(-toEye, normal), viewMatrix[1].xyz);
+      float edge = 1.0 - clamp(dot(toEye, normal), 0.0, 1.0);
+      return uMirrored * gloss * (1.0 + 10.0 * pow(edge, 4.0)) * mix(vec3(0.12), vec3(0.75, 0.85, 1.0), smoothstep(-0.4, 0.8, upwards));
+    }
+  `;
 
   const theme = matchMedia("(prefers-color-scheme: dark)");
   const seen = { value: SEEN.least };
@@ -35,7 +46,7 @@
   sun.castShadow = true;
   sky.position.set(0, 0, 1);
   viewer.scene.add(sky, sun, sun.target); // its axes are the world's
-  viewer.lights = { sky, sun };
+  viewer.lights = { sky, sun, mirrored, mirror: MIRROR };
   viewer.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
   if (isSoftware) {
     // Nine texels with the weights of a quadratic spline in place of 25: half of a picture's time went there.
@@ -103,7 +114,7 @@
   // Lay a ground where a plate is drawn for it.
   function lay(plate) {
     const { width, height, depth } = plate.geometry.parameters;
-    const sides = plate.userData.isEndless ? [SIDE, SIDE] : [width, height];
+    const sides = plate.userData.isEndless || Math.min(width, height) >= ENDLESS ? [SIDE, SIDE] : [width, height];
     plate.geometry.dispose();
     plate.geometry = new THREE.PlaneGeometry(...sides).translate(0, 0, depth / 2);
     plate.material = groundMaterial(plate.material, plate.matrixWorld.clone());
@@ -111,16 +122,11 @@
     plate.castShadow = false;
   }
 
-  // A smooth surface reflects the sky, more so towards its edges: what is black would have no form else.
   function reflect(shader) {
     shader.uniforms.uMirrored = mirrored;
-    shader.fragmentShader = shader.fragmentShader.replace("void main() {", "uniform float uMirrored;\nvoid main() {").replace(
-      "#include <envmap_fragment>",
-      `vec3 toEye = normalize(vViewPosition);
-      float upwards = dot(reflect(-toEye, normal), viewMatrix[1].xyz);
-      float edge = 1.0 - clamp(dot(toEye, normal), 0.0, 1.0);
-      outgoingLight += uMirrored * specular * (1.0 + 10.0 * pow(edge, 4.0)) * mix(vec3(0.12), vec3(0.75, 0.85, 1.0), smoothstep(-0.4, 0.8, upwards));`,
-    );
+    shader.fragmentShader = shader.fragmentShader
+      .replace("void main() {", `${MIRROR}void main() {`)
+      .replace("#include <envmap_fragment>", "outgoingLight += mirror(specular.r, normalize(vViewPosition), normal);");
   }
 
   function dress(object) {
@@ -148,6 +154,7 @@
   };
 
   let pictures = 0;
+  const lit = new THREE.Vector3(); // where the shadows' middle is
 
   // Let the camera see as far as it looks from, and the sun shine where it looks.
   function look() {
@@ -158,13 +165,14 @@
     camera.near = THREE.MathUtils.clamp(distance / 200, 0.002, 0.1);
     camera.far = Math.max(1.2 * seen.value, 4 * distance);
     const reach = THREE.MathUtils.clamp(SHADOWED.times * distance, SHADOWED.least, SHADOWED.most);
-    viewer.shadowed = { target: controls.target, reach };
-    viewer.scene.worldToLocal(sun.target.position.copy(controls.target));
+    const middle = camera.getWorldDirection(new THREE.Vector3()).setY(0).multiplyScalar(SHADOWED.ahead * reach).add(controls.target);
+    middle.divideScalar(SHADOWED.step * reach).round().multiplyScalar(SHADOWED.step * reach); // else edges crawl with the camera
+    viewer.shadowed = { target: middle, reach };
+    viewer.scene.worldToLocal(sun.target.position.copy(middle));
     sun.position.copy(sun.target.position).addScaledVector(SUN, 3 * reach);
     const { camera: eye, mapSize } = sun.shadow;
     const { shadowMap } = viewer.renderer;
     shadowMap.autoUpdate = (viewer.sharpness ?? 1) === 1;
-    shadowMap.needsUpdate = pictures++ % 2 === 0; // where pictures come slowly, each second one
     const texels = TEXELS * (viewer.sharpness ?? 1);
     if (mapSize.x !== texels) {
       mapSize.setScalar(texels);
@@ -172,6 +180,9 @@
       sun.shadow.map = null;
       eye.right = 0;
     }
+    const isElsewhere = eye.right !== reach || !lit.equals(middle);
+    shadowMap.needsUpdate = isElsewhere || pictures++ % 2 === 0; // where pictures come slowly, each second one
+    lit.copy(middle);
     if (eye.right !== reach) {
       Object.assign(eye, { left: -reach, right: reach, bottom: -reach, top: reach, near: 0.1 * reach, far: 6 * reach });
       eye.updateProjectionMatrix();

@@ -44,10 +44,12 @@ export class Timeline {
     this.ask(!this.isBag && time >= this.now ? "LookAtNow" : "Look", this.isBag || time < this.now ? { time } : {});
   }
 
-  // Look at a moment that a plot, a message or a mark tells of; a twin that runs is paused for it only if somebody insists.
+  // Look at a moment that a plot, a message or a mark tells of; a twin that runs is paused for it only if somebody insists,
+  // also for one that has just been.
   seek(time, insists) {
-    const isKept = !$("timeline").hidden && this.first !== undefined;
-    if (isKept && (insists || this.isBag || this.isPaused)) this.look(Math.min(Math.max(time, this.first), this.now));
+    if ($("timeline").hidden || this.first === undefined) return;
+    if (insists && !this.isBag) this.ask("Look", { time: Math.max(time, this.first) });
+    else if (this.isBag || this.isPaused) this.look(Math.min(Math.max(time, this.first), this.now));
   }
 
   stepBy(count) {

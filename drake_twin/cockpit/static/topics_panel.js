@@ -57,7 +57,10 @@ export default class TopicsPanel {
   list() {
     const wanted = this.filter.value.trim().toLowerCase();
     this.listed = this.topics.filter(({ name, type }) => `${name} ${type}`.toLowerCase().includes(wanted));
+    const { activeElement: focused } = document;
+    const name = this.names.contains(focused) ? focused.title : "";
     this.rows.show(this.listed.length);
+    if (name) this.rows.made.get(this.listed.findIndex((topic) => topic.name === name))?.firstChild.focus();
   }
 
   item({ name, kind, type, rate, latched }) {

@@ -28,7 +28,7 @@ export class View {
     if (document.activeElement !== $("follow")) $("follow").value = state.followed;
     this.recording = state.recording;
     $("recording-badge").hidden = !state.recording;
-    setText($("record"), state.recording ? "Save as HTML" : "Record");
+    setText($("record"), state.recording ? "Save as HTML" : "Record page");
     if (this.wanted && this.recordings !== undefined && state.recordings > this.recordings) {
       this.wanted = false;
       element("a", { href: "files/run.html", download: "run.html" }).click();
