@@ -19,7 +19,7 @@ def test_the_play_button_pauses_and_goes_on(page):
     assert it.twin.time == stopped
     it.seen(tab.locator("#time"), f"{stopped:.3f} s")
     it.seen(tab.locator("#factor"), "paused")
-    tab.get_by_role("button", name="Play").click()
+    tab.get_by_role("button", name="Play", exact=True).click()
     it.frames(lambda: it.twin.time > stopped + 0.1)
 
 
