@@ -53,7 +53,7 @@ def test_each_overlay_is_drawn_and_taken_away(page):
     open_tab(tab, "View")
     overlays = {
         "Frames (tf)": "frames",
-        "Contact forces": "contact",
+        "Contact forces": "contacts",
         "Collision shapes": "collision",
         "Inertia": "inertia",
     }
