@@ -194,11 +194,13 @@
   // Place those of the parts that may be seen, or whose shadows may be.
   function place({ parts, levels }, { frustum, eye, pixels }) {
     const ball = new THREE.Sphere();
-    const { target, reach } = viewer.shadowed;
+    const { target, reach, texel } = viewer.shadowed;
+    let largest = 0; // m, of the balls around them
     for (const level of levels) level.count = 0;
     for (const part of parts) {
       if (!isShown(part)) continue;
       ball.copy(levels[0].ball).applyMatrix4(part.matrixWorld);
+      largest = Math.max(largest, ball.radius);
       if (!frustum.intersectsSphere(ball) && ball.center.distanceTo(target) - ball.radius > SHADOWED * reach) continue;
       const radius = (pixels * ball.radius) / Math.max(eye.distanceTo(ball.center) - ball.radius, 1e-6);
       const level = levels.find(({ most }) => radius <= most);
@@ -211,6 +213,7 @@
       meshes.forEach((mesh, number) => {
         const left = Math.min(Math.max(count - each * number, 0), each);
         mesh.visible = left > 0;
+        mesh.castShadow = largest > texel; // a smaller one is not seen
         mesh.geometry.setDrawRange(0, left * indices);
       });
     }

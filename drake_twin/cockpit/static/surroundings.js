@@ -168,13 +168,13 @@
     const reach = THREE.MathUtils.clamp(SHADOWED.times * distance, SHADOWED.least, SHADOWED.most);
     const middle = camera.getWorldDirection(new THREE.Vector3()).setY(0).multiplyScalar(SHADOWED.ahead * reach).add(controls.target);
     middle.divideScalar(SHADOWED.step * reach).round().multiplyScalar(SHADOWED.step * reach); // else edges crawl with the camera
-    viewer.shadowed = { target: middle, reach };
+    const texels = TEXELS * (viewer.sharpness ?? 1);
+    viewer.shadowed = { target: middle, reach, texel: (2 * reach) / texels };
     viewer.scene.worldToLocal(sun.target.position.copy(middle));
     sun.position.copy(sun.target.position).addScaledVector(SUN, 3 * reach);
     const { camera: eye, mapSize } = sun.shadow;
     const { shadowMap } = viewer.renderer;
     shadowMap.autoUpdate = (viewer.sharpness ?? 1) === 1;
-    const texels = TEXELS * (viewer.sharpness ?? 1);
     if (mapSize.x !== texels) {
       mapSize.setScalar(texels);
       sun.shadow.map?.dispose();
