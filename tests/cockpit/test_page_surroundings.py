@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 from browser import BROWSER_TESTS, browser, open_tab, orange, page, picture, show
-from conftest import ARM, rovers
+from conftest import ARM, ROVER, rovers
 from in_scene import tools
 from show_menu import press
 
@@ -20,7 +20,8 @@ pytestmark = BROWSER_TESTS
 def shown(it, tab, key="4"):
     """The picture of a paused twin from above, and a function that gives its brightness around a point of the world."""
     it.twin.pause()
-    it.for_frames(3)
+    it.frames(lambda: bool(tools(tab, f"boxOf({list(it.twin.robots)})")))
+    it.for_frames(5)
     tab.keyboard.press(key)
     it.for_frames(2)
     shot = picture(tab).sum(axis=2) / 765
@@ -135,7 +136,7 @@ def test_what_is_deleted_leaves_nothing_on_the_graphics_card(show):
     it.for_frames(10)
     before = held()
     for _ in range(3):
-        it.twin.entities.spawn(Robot("other", ARM, xyz=(0.5, 0, 0)))
+        it.twin.entities.spawn(Robot("other", ROVER, xyz=(0.8, 0, 0.13)))  # two arms would share their geometries
         it.frames(lambda: bool(tools(tab, "boxOf(['other'])")))
         it.for_frames(10)
         assert held()["geometries"] > before["geometries"]

@@ -3,7 +3,7 @@
 "use strict";
 {
   const { THREE } = MeshCat;
-  const LEAST = 3; // parts alike from which on they are drawn together
+  const LEAST = 2; // parts alike from which on they are drawn together
   const SMALL = 4000; // vertices; with more, a call costs little beside them
   const SEGMENTS = [6, 12, 24]; // of round parts that are small in the picture, in place of their own
   const ERROR = 0.35; // pixels by which fewer segments may be seen
