@@ -17,13 +17,15 @@ from drake_twin.scenario import Robot, World
 pytestmark = BROWSER_TESTS
 
 
-def shown(it, tab, key="4"):
-    """The picture of a paused twin from above, and a function that gives its brightness around a point of the world."""
+def shown(it, tab, key="4", above=None):
+    """The picture of a paused twin from above, or from so far above (m), and its brightness around points of the world."""
     it.twin.pause()
     it.frames(lambda: bool(tools(tab, f"boxOf({list(it.twin.robots)})")))
     it.for_frames(5)
     tab.keyboard.press(key)
     it.for_frames(2)
+    if above is not None:
+        tools(tab, f"placeCamera([0, {above}, 1e-6, 0, 0, 0])")
     shot = picture(tab).sum(axis=2) / 765
 
     def brightness(x, y, z=0.0):
@@ -37,7 +39,7 @@ def shown(it, tab, key="4"):
 def test_a_robot_has_a_shadow_on_the_side_away_from_the_sun(show):
     """The sun is to the front, a little to the right: a shadow falls to the rear, half as long as the robot is high."""
     it, tab = show(TwinBuilder().robot("arm", ARM).scenario())
-    _, brightness = shown(it, tab)
+    _, brightness = shown(it, tab, above=2.5)
     lit = brightness(0.6, -0.42)
     assert lit == pytest.approx(brightness(0.6, 0.42), abs=0.06)
     places = [(-0.55 * height, 0.11 * height) for height in np.linspace(0.15, 0.6, 10)]
