@@ -18,7 +18,7 @@ pytestmark = BROWSER_TESTS
 
 
 def shown(it, tab, key="4", above=None):
-    """The picture of a paused twin from above, or from so far above (m), and its brightness around points of the world."""
+    """The picture of a paused twin from above, or from so far above (m), and its brightness at points of the world."""
     it.twin.pause()
     it.frames(lambda: bool(tools(tab, f"boxOf({list(it.twin.robots)})")))
     it.for_frames(5)
