@@ -49,7 +49,7 @@ def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
         twin: The twin, with the nodes of its robots.
         others: Full names of nodes; those that are no robot's have the time of ``/clock`` alone.
     """
-    nodes = {node.name: node for plan in twin.built.plans for node in _nodes(twin, plan)}
+    nodes = {node.name: node for node in parameter_nodes(twin)}
     of_robots = {f"{plan.robot.topic_namespace}/{item.name}" for plan in twin.built.plans for item in plan.controllers}
     for other in sorted({*others} - nodes.keys() - of_robots):  # a controller that is not loaded has none
         nodes[other] = constant_node(other, {})
@@ -58,6 +58,12 @@ def parameter_services(twin: Twin, others: Iterable[str]) -> Iterator[Service]:
             between = node.builds and name in _SETS
             full = f"{node.name}/{name}"
             yield Service(full, f"rcl_interfaces/srv/{kind}", node.name, partial(answer, node), between)
+
+
+def parameter_nodes(twin: Twin) -> Iterator[ParameterNode]:
+    """Yield the nodes of all robots: their state publishers, controller managers and loaded controllers."""
+    for plan in twin.built.plans:
+        yield from _nodes(twin, plan)
 
 
 def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[ParameterNode]:

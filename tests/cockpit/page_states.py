@@ -188,6 +188,18 @@ def _(it, tab):
     it.frames(lambda: tab.locator("#plots .refusal:visible").count() == 1)
 
 
+@state("parameters")
+def _(it, tab):
+    open_tab(tab, "ROS")
+    panel = tab.locator("[data-panel=parameters]")
+    panel.locator("summary").press("Enter")
+    it.frames(lambda: panel.locator("li").count() > 10)
+    panel.locator("li button", has_text="publish_frequency").first.press("Enter")
+    panel.get_by_label("Value").fill("fast")
+    panel.get_by_label("Value").press("Enter")
+    it.frames(lambda: panel.locator(".refusal:visible").count() == 1)
+
+
 @state("messages")
 def _(it, tab):
     it.cockpit._log.add("warning", "a thing happened")

@@ -96,7 +96,10 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
     assert it.server.files["panel_horn.js"] == SCRIPT.encode()
     it.ask(protocol.AskPanel("horn", '{"honk": 2}'))
     assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
-    assert it.server.told["robots"]["panels"] == ["world", "own", "spawn", "topics", "compare", "horn"]
+    assert it.server.told["robots"]["panels"] == [
+        *("world", "own", "parameters", "spawn", "topics", "compare"),
+        "horn",
+    ]
     for name, data, reason in (
         ("horn", '{"honk": 99}', "too loud"),
         ("horn", "{", "panel 'horn' sent data that is not JSON: '{'"),
