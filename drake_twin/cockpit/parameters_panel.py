@@ -61,7 +61,7 @@ class ParametersPanel:
         self._twin = twin
         self._asked: deque[SetParameter] = deque()
         self._outcome = {"key": "", "problem": ""}
-        self._left = 0  # snapshots that somebody still looks
+        self._left = 0  # snapshots for which a tab is shown
         self._known = 0  # the oldest version that a tab has
         self._version = 0
         self._rows: list[dict[str, Any]] = []
@@ -117,7 +117,7 @@ class ParametersPanel:
             problem = f"{request.text!r} is not a value"
         else:
             problem = (
-                f"there is no node {request.node}"
+                f"unknown node {request.node}"
                 if node is None
                 else node.put({request.name: _typed(node, request.name, value)})
             )

@@ -63,7 +63,7 @@ def test_a_value_is_set_and_a_whole_number_may_stand_for_a_double(looked):
         ("/robot_1/robot_state_publisher", "publish_frequency", "fast", "publish_frequency"),
         ("/robot_1/robot_state_publisher", "publish_frequency", "[1", "is not a value"),
         ("/robot_1/robot_state_publisher", "nothing", "1", "nothing"),
-        ("/robot_9/robot_state_publisher", "publish_frequency", "1", "there is no node /robot_9/robot_state_publisher"),
+        ("/robot_9/robot_state_publisher", "publish_frequency", "1", "unknown node /robot_9/robot_state_publisher"),
     ],
 )
 def test_what_is_refused_is_said_and_changes_nothing(looked, node, name, text, why):
