@@ -113,6 +113,7 @@ def test_the_plots_height_is_kept(page):
     plot = "async (path) => { (await import('./plots.js')).plots.add(path); }"
     edge, plots = tab.locator(".edge.below"), tab.locator("#plots")
     assert edge.is_hidden()
+    it.frames(lambda: tab.evaluate("async () => (await import('./plots.js')).plots.key !== null"))  # it knows its store
     tab.evaluate(plot, "/robot_1/joint_states.velocity[0]")
     it.frames(lambda: tab.locator("#plots canvas").count() == 1)
     before = plots.bounding_box()["height"]
@@ -128,7 +129,7 @@ def test_the_plots_height_is_kept(page):
     assert plots.bounding_box()["height"] == pytest.approx(before + 100, abs=6)
     high = plots.bounding_box()["height"]
     tab.reload()
-    it.frames(lambda: tab.locator("#plots canvas").count() == 1)
+    it.frames(lambda: tab.locator("body.ready").count() == 1 and tab.locator("#plots canvas").count() == 1)
     assert plots.bounding_box()["height"] == high
     edge.dblclick(force=True)
     assert plots.bounding_box()["height"] == before

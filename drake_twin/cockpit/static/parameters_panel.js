@@ -5,6 +5,7 @@ import { keep, kept } from "../kept.js";
 import { Rows } from "../rows.js";
 
 const LOOK = 1000; // ms between two requests for data
+const SHORT = 30; // letters of a value in the list
 
 export default class ParametersPanel {
   constructor(ask) {
@@ -14,7 +15,7 @@ export default class ParametersPanel {
     this.sent = 0;
     this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter parameters", oninput: () => this.filterBy(this.filter.value) });
     this.filter.value = kept().parameters ?? "";
-    this.names = element("ul", { class: "topics", "aria-label": "Parameters", "data-listed": true }); // by `commands`
+    this.names = element("ul", { class: "parameters", "aria-label": "Parameters", "data-listed": true }); // by `commands`
     this.rows = new Rows(this.names, (index) => this.item(this.listed[index]));
     this.head = element("h3", {});
     this.about = element("p", { class: "muted" });
@@ -23,7 +24,7 @@ export default class ParametersPanel {
     this.problem = element("p", { class: "refusal", role: "status", hidden: true });
     this.form = element("form", { class: "parameter", onsubmit: (event) => this.submit(event) }, element("div", { class: "row" }, this.value, this.button), this.problem);
     this.details = element("details", {}, element("summary", { text: "Parameters" }), this.filter, this.names, this.head, this.about, this.form);
-    this.node = element("div", { class: "topics-panel" }, this.details);
+    this.node = element("div", { class: "parameters-panel" }, this.details);
     this.details.addEventListener("toggle", () => this.look());
     this.choose(null);
     setInterval(() => this.look(), LOOK);
@@ -49,7 +50,8 @@ export default class ParametersPanel {
 
   item(row) {
     const isChosen = row.node === this.chosen?.node && row.name === this.chosen?.name;
-    const about = `${row.value}, ${row.node}`;
+    const value = row.value.length > SHORT ? `${row.value.slice(0, SHORT)}…` : row.value;
+    const about = `${value}, ${row.node}`;
     const button = element("button", { "aria-pressed": String(isChosen), title: `${row.node} ${row.name}`, onclick: () => this.choose(isChosen ? null : row) }, row.name, element("small", { text: about }));
     return element("li", {}, button);
   }
