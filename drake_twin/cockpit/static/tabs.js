@@ -19,11 +19,12 @@ export class Tabs {
     this.choose([...this.tabs.keys()][0]);
   }
 
-  // Put a group into its tab.
+  // Put a group into its tab, if it is not there.
   add(group) {
     const name = (group.dataset.tab ??= OTHERS);
     if (!this.tabs.has(name)) this.tabs.set(name, this.make(name));
-    this.tabs.get(name).page.append(group);
+    const { page } = this.tabs.get(name);
+    if (group.parentElement !== page) page.append(group);
   }
 
   make(name) {
