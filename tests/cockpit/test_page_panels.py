@@ -103,7 +103,7 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
     for name, data, reason in (
         ("horn", '{"honk": 99}', "too loud"),
         ("horn", "{", "panel 'horn' sent data that is not JSON: '{'"),
-        ("bell", "1", "unknown panel 'bell'. Valid: world, own, spawn, topics, compare, horn"),
+        ("bell", "1", "unknown panel 'bell'. Valid: world, own, parameters, spawn, topics, compare, horn"),
     ):
         it.ask(protocol.AskPanel(name, data))
         assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
