@@ -1,9 +1,11 @@
 """What a run that is slow is told: where its time goes, and what makes it faster."""
 
+import contextlib
 import sys
 import time
 from typing import TYPE_CHECKING
 
+from drake_twin.errors import RunError
 from drake_twin.program import say
 from drake_twin.scenario import DISCRETE
 
@@ -41,7 +43,9 @@ class SlowNotice:
             return
         self._is_open = False
         if simulated < _SLOW * wall:
-            say(f"slow: {simulated / wall:.2g} times real time {slow_text(self._twin, spent / simulated)}", sys.stderr)
+            with contextlib.suppress(RunError):  # the next step fails, which says why
+                why = slow_text(self._twin, spent / simulated)
+                say(f"slow: {simulated / wall:.2g} times real time {why}", sys.stderr)
 
 
 def _now(twin: "Twin") -> tuple[float, float, float]:

@@ -87,8 +87,10 @@ def _run(
     frame_start = wall_clock.perf_counter()
     owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
     costs = deque[float](maxlen=_LAST)  # s of wall time of a step
-    begin = frame_start
-    while _begin_frame(twin, until, each_frame):
+    while True:
+        begin = wall_clock.perf_counter()
+        if not _begin_frame(twin, until, each_frame):
+            break
         twin.draw()
         longest = max(_LONGEST, _SHARE * (wall_clock.perf_counter() - begin))
         if as_fast_as_possible and not twin.clock.paused:
@@ -114,7 +116,6 @@ def _run(
                 twin.frames.miss((latest - due) * twin.clock.real_time_rate, twin.time)
             frame_start = max(due, latest)
             _wait_until(twin, frame_start)
-        begin = wall_clock.perf_counter()
     twin.draw()
 
 

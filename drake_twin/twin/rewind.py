@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pydrake.geometry import GeometryId, Role
+from pydrake.geometry import GeometryId
 
-from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.errors import InputError, RunError
 from drake_twin.findings import Kind, texts
 from drake_twin.twin.owner import Owned
 from drake_twin.twin.recording import CONTROLLER_MANAGER
 from drake_twin.twin.snapshot import Snapshot
+from drake_twin.twin.touching import models_of_shapes, touching
 from drake_twin.twin.twin import Twin
 from drake_twin.values import is_number
 
@@ -221,11 +221,11 @@ class Rewind(Owned, path="rewind"):
 
     def _look_for_contacts(self) -> None:
         if self._models[0] is not self._twin.built.shapes:
-            self._models = self._twin.built.shapes, _models(self._twin)
-        touching = frozenset(_touching(self._twin, self._models[1]))
-        for text in sorted(touching - self._touching):
+            self._models = self._twin.built.shapes, models_of_shapes(self._twin)
+        now = frozenset(_touching(self._twin, self._models[1]))
+        for text in sorted(now - self._touching):
             self._mark(CONTACT, text)
-        self._touching = touching
+        self._touching = now
 
     def _mark(self, kind: str, text: str) -> None:
         now, last = self._twin.time, self._last.get((kind, text))
@@ -236,29 +236,10 @@ class Rewind(Owned, path="rewind"):
         self._marks[kind, text, start] = self._last[kind, text] = mark
 
 
-def _models(twin: Twin) -> dict[GeometryId, str]:
-    """Return the robot or moving model of the world of each collision shape that has one, other than brakes."""
-    names = {shape.body: shape.model for shape in twin.built.shapes if shape.model}
-    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    bodies = {
-        geometry: twin.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-        for geometry in inspector.GetAllGeometryIds(Role.kProximity)
-        if not is_brake(inspector, geometry)
-    }
-    models = {geometry: names.get(body.index(), "") for geometry, body in bodies.items() if body is not None}
-    return {geometry: model for geometry, model in models.items() if model}
-
-
 def _touching(twin: Twin, models: Mapping[GeometryId, str]) -> set[str]:
     """Return which robots and moving models of the world touch each other."""
     try:
-        results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
+        facets, points = touching(twin, models)
     except RunError:  # the next step fails, which says why
         return set()
-    points = (results.point_pair_contact_info(index).point_pair() for index in range(results.num_point_pair_contacts()))
-    shapes = {(point.id_A, point.id_B) for point in points}
-    for index in range(results.num_hydroelastic_contacts()):
-        surface = results.hydroelastic_contact_info(index).contact_surface()
-        shapes.add((surface.id_M(), surface.id_N()))
-    pairs = (sorted((models.get(a, ""), models.get(b, ""))) for a, b in shapes)
-    return {f"{a} touches {b}" for a, b in pairs if a and a != b}
+    return {f"{a} touches {b}" for a, b in {*facets, *points} if a and a != b}

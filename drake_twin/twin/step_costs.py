@@ -1,14 +1,15 @@
 """Where the time of a step goes: physics, its contacts, and between what they are."""
 
 import time
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
 
+from drake_twin.twin.touching import models_of_shapes, touching
 from drake_twin.twin.twin import Twin
 
 _TRIALS = 5
+_WORLD = "the world"
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,12 @@ class StepCosts:
 
 
 def step_costs(twin: Twin) -> StepCosts:
-    """Measure what a step costs; the twin is left as it is."""
+    """Measure what a step costs; the twin is left as it is.
+
+    Raises:
+        RunError: If Drake cannot solve the next step.
+    """
+    facets, points = touching(twin, models_of_shapes(twin))
     plant, root = twin.plant, twin.context.Clone()
     context = plant.GetMyMutableContextFromRoot(root)
     positions = plant.GetPositions(context)
@@ -50,28 +56,5 @@ def step_costs(twin: Twin) -> StepCosts:
     contact = again(
         lambda: query.Eval(context).ComputeContactSurfacesWithFallback(plant.get_contact_surface_representation())
     )
-    return StepCosts(step, contact, *_pairs(twin))
-
-
-def _pairs(twin: Twin) -> tuple[bool, dict[tuple[str, str], int]]:
-    plant = twin.plant
-    results = plant.get_contact_results_output_port().Eval(plant.GetMyContextFromRoot(twin.context))
-    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    found: Counter[tuple[str, str]] = Counter()
-
-    def model(geometry: object) -> str:
-        body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-        name = str(plant.GetModelInstanceName(body.model_instance()))
-        return "the world" if body.index() == plant.world_body().index() else name
-
-    def add(one: object, other: object, count: int) -> None:
-        first, second = sorted((model(one), model(other)))
-        found[first, second] += count
-
-    for index in range(results.num_hydroelastic_contacts()):
-        surface = results.hydroelastic_contact_info(index).contact_surface()
-        add(surface.id_M(), surface.id_N(), surface.num_faces())
-    for index in range(results.num_point_pair_contacts()):
-        pair = results.point_pair_contact_info(index).point_pair()
-        add(pair.id_A, pair.id_B, 1)
-    return results.num_hydroelastic_contacts() > 0, dict(found.most_common())
+    pairs = {(a or _WORLD, b): count for (a, b), count in (facets + points).most_common()}
+    return StepCosts(step, contact, bool(facets), pairs)

@@ -6,6 +6,7 @@ import pytest
 from program_runs import run
 
 from drake_twin import Command, Scenario, TwinBuilder
+from drake_twin.builder.demo import demo_scenario
 from drake_twin.builder.longest_step import longest_step
 from drake_twin.errors import InputError
 
@@ -47,6 +48,11 @@ def test_a_step_with_which_a_scenario_does_not_run_is_passed_over():
     command = Command("/r/forward_velocity_controller/commands", (1.0,) * 4, 0.0, 0.004)
     found = longest_step(replace(builder.scenario(), commands=(command,)), error=10.0, duration=0.02)
     assert (found.time_step, [trial.error for trial in found.trials[:2]]) == (0.004, [None, None])
+
+
+@pytest.mark.parametrize(("robot", "step"), [("rover", 0.002), ("arduinobot", 0.01)])
+def test_the_demos_have_the_steps_that_the_docs_say(robot, step):
+    assert longest_step(demo_scenario(robot, 2)).time_step == step
 
 
 def test_an_engine_with_error_control_is_refused(tmp_path):

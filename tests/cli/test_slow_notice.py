@@ -6,7 +6,9 @@ from conftest import rovers
 from drake_twin import TwinBuilder
 from drake_twin.cli import slow_notice
 from drake_twin.cli.slow_notice import SlowNotice, slow_text
+from drake_twin.errors import RunError
 from drake_twin.scenario import World
+from drake_twin.twin import step_costs as step_costs_module
 from drake_twin.twin.step_costs import step_costs
 
 BOX = """<sdf version="1.9"><world name="w"><model name="ground"><static>true</static><link name="l">
@@ -26,7 +28,7 @@ def standing(builder):
 
 def test_four_wheels_touch_the_world_in_four_points():
     costs = step_costs(standing(rovers(2)))
-    assert costs.pairs == {("robot_1", "the world"): 4, ("robot_2", "the world"): 4}
+    assert costs.pairs == {("the world", "robot_1"): 4, ("the world", "robot_2"): 4}
     assert not costs.has_faces
     assert 0.0 < costs.contact < costs.step
 
@@ -37,7 +39,7 @@ def test_a_crate_has_the_most_and_its_faces(tmp_path):
     builder = TwinBuilder(world=World(file=str(tmp_path / "w.sdf"))).robot("r", rover, xyz=(0, 0, 0.13))
     costs = step_costs(standing(builder))
     assert costs.has_faces
-    assert next(iter(costs.pairs)) == ("crate", "the world")
+    assert next(iter(costs.pairs)) == ("the world", "crate")
 
 
 def test_measuring_changes_nothing():
@@ -94,7 +96,20 @@ def test_a_pause_does_not_count(clock, capsys):
 def test_what_is_named_is_what_costs(tmp_path):
     twin = standing(rovers(2))
     text = slow_text(twin, 1e-6)  # so that physics is all of it
-    assert "robot_1 and the world: 4, robot_2 and the world: 4" in text
+    assert "the world and robot_1: 4, the world and robot_2: 4" in text
     assert "--time-step auto" in text
     assert "contact: point" not in text
     assert "messages, sensors, nodes and page" in slow_text(twin, 1000.0)
+
+
+def test_a_step_that_fails_does_so_by_itself(clock, capsys, monkeypatch):
+    def fail(*_):
+        raise RunError("the next step fails")
+
+    twin = standing(rovers(1))
+    monkeypatch.setattr(step_costs_module, "touching", fail)
+    notice = SlowNotice(twin)
+    clock[0] = 6.0
+    twin.advance_to(twin.time + 0.1)
+    notice.look()
+    assert capsys.readouterr().err == ""

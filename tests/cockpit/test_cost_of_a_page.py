@@ -12,7 +12,7 @@ from conftest import rovers
 from drake_twin.cockpit.served_page import ServedPage
 from drake_twin.cockpit.topics_panel import TopicsPanel
 from drake_twin.shared_viewer.shared_scene import SharedScene
-from drake_twin.twin import plant_parameters, rewind
+from drake_twin.twin import plant_parameters, touching
 from drake_twin.twin.rewind import Rewind
 
 FRAMES = 12
@@ -111,7 +111,7 @@ def test_the_robots_are_read_while_a_browser_loads_the_page(served, counts):
 
 def test_a_moment_that_is_kept_reads_no_friction_and_no_names_where_none_has_changed(counts):
     counts.count(plant_parameters, "_materials")
-    counts.count(rewind, "is_brake")
+    counts.count(touching, "is_brake")
     twin = rovers(2).build()
     with Rewind(twin) as kept:
         twin.advance_to(0.6)
