@@ -155,9 +155,10 @@ def test_the_ranges_of_joints_are_those_of_the_selected_robot(page):
         it.for_frames(3)
         return place(tab, f"overlays/joints/on/{robot}/{robot}_base_link/limits")["isVisible"]
 
-    assert not visible("robot_1")
+    it.frames(lambda: not visible("robot_1") and not visible("robot_2"))
     open_tab(tab, "World")
     item = tab.locator("[role=treeitem]", has_text="robot_2").first
+    it.frames(item.is_visible)
     item.click(force=True)
     it.frames(lambda: tools(tab, "selected.length") > 0)
     it.frames(lambda: visible("robot_2"))
