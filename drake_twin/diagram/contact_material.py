@@ -16,7 +16,15 @@ from pydrake.geometry import (
 from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.description.hull import corners_of, sides_under
-from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, Part, extent_of
+from drake_twin.diagram.contact_shapes import (
+    DISSIPATION,
+    POINT_STIFFNESS,
+    STIFFEST,
+    UPRIGHT,
+    ContactShape,
+    Part,
+    extent_of,
+)
 from drake_twin.diagram.rims_and_corners import CORNER_STIFFNESS, recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
@@ -43,19 +51,9 @@ _MOST_BORNE = 2.5e5
 _G = 9.81  # m/s²
 _RIGID = 1e12  # N/m; for a point of a static shape
 
-# Hunt and Crossley's dissipation (s/m). A body that has sunk in comes out at 1/this at most: at Drake's default of 50
-# it creeps out, at 1 it jumps.
-_DISSIPATION = 5.0
-
 # The same for the supports of a robot that stands near its edge: what comes out faster tips it over (in CENIC, a robot
 # that lands on its caster).
 _SUPPORT_DISSIPATION = 50.0
-
-# The same for corners, which may be slow, since the face beside them comes out: what rocks from edge to edge stops. It
-# grows with their stiffness, as they move by less, up to a limit. With four times the least a crate brakes the rover
-# that pushes it; with six times the limit Drake's solver failed where a slim bar fell over.
-_CORNER_DISSIPATION = 500.0
-_MOST_CORNER_DISSIPATION = 1e4
 
 # Faces that are closer than this take part in the solution of a step before they touch (m), so that they do not sink
 # into each other in a step. Without it, at a step of 10 ms, a box that is set down sticks where it should slide:
@@ -104,7 +102,7 @@ def candidates(
 
 def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     properties = ProximityProperties()
-    stiffness, dissipation = POINT_STIFFNESS * shape.mass, _DISSIPATION
+    stiffness, dissipation = POINT_STIFFNESS * shape.mass, DISSIPATION
     if shape.is_static:
         stiffness = _RIGID
     elif shape.support is not None:
@@ -115,8 +113,7 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
             stiffness *= _borne(shape) / shape.mass
         elif shape.part is Part.CORNER:
             stiffness = max(stiffness, CORNER_STIFFNESS * _borne(shape))
-            relative = shape.point_stiffness / CORNER_STIFFNESS
-            dissipation = min(_CORNER_DISSIPATION * relative, _MOST_CORNER_DISSIPATION)
+        dissipation = shape.point_dissipation or DISSIPATION
     AddContactMaterial(
         dissipation=dissipation,
         point_stiffness=stiffness,

@@ -23,7 +23,7 @@ from pydrake.geometry import Box, Convex, Cylinder, Ellipsoid, Shape, Sphere
 from pydrake.math import RigidTransform
 
 from drake_twin.description.hull import corners_of, mean_distance, planes_of, sides_under
-from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, Part
+from drake_twin.diagram.contact_shapes import DISSIPATION, POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, Part
 from drake_twin.diagram.round_hulls import RoundHull, round_hull
 
 # The faceted cylinder stays inside its rims by this part of its radius, and no more than so much (m): more than rims
@@ -48,8 +48,15 @@ _BALL = 0.005
 CORNER_STIFFNESS = 2e4  # of each of two balls
 _SLIM = 10.0
 
-# How stiff a ball in a corner is at least that is a foot (1/s²). A box sinks by 22 µm under its own weight.
-FOOT_STIFFNESS = 6e4
+# Hunt and Crossley's dissipation of corners (s/m). They may be slow, since the face beside them comes out: what rocks
+# from edge to edge stops. It grows with their stiffness, as they move by less, up to a limit. With four times the least
+# a crate brakes the rover that pushes it; with six times the limit Drake's solver failed where a slim bar fell over.
+_CORNER_DISSIPATION = 500.0
+_MOST_DISSIPATION = 1e4
+
+# How stiff a ball in a corner is at least that is a foot (1/s²). A box sinks by 22 µm under its own weight. Stiffer ones,
+# of slim things, have the square of that more dissipation: a door of 2 m by 4 cm would rock from edge to edge for long.
+_FOOT_STIFFNESS = 6e4
 
 _FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
 _MOST_LOOSE = 40  # shapes with corners; a plant takes time and memory with the square of its shapes' number
@@ -155,19 +162,21 @@ def _corners(shape: ContactShape) -> Iterator[ContactShape]:
     count, stiffness = (2, balls.slim) if balls.slim > CORNER_STIFFNESS else (1, 2 * CORNER_STIFFNESS)
     for number, place in enumerate(np.repeat(balls.places, count, axis=0)):
         part = _point(shape, f"corner{number}", Sphere(balls.radius), place.tolist(), stiffness)
-        yield replace(part, part=Part.CORNER)
+        dissipation = min(_CORNER_DISSIPATION * stiffness / CORNER_STIFFNESS, _MOST_DISSIPATION)
+        yield replace(part, part=Part.CORNER, point_dissipation=dissipation)
 
 
 def _feet(shape: ContactShape) -> Iterator[ContactShape]:
     balls = _balls(shape.shape)
     if balls is None:
         return
-    stiffness = max(FOOT_STIFFNESS, 2 * balls.slim)
+    stiffness = max(_FOOT_STIFFNESS, 2 * balls.slim)
+    dissipation = min(DISSIPATION * (stiffness / _FOOT_STIFFNESS) ** 2, _MOST_DISSIPATION)
     feet = [(place, stiffness) for place in balls.places]
     feet += [(place, share * stiffness) for place, share in _middles(shape, balls)]
     for number, (place, stiff) in enumerate(feet):
         part = _point(shape, f"foot{number}", Sphere(balls.radius), place.tolist(), stiff)
-        yield replace(part, part=Part.FOOT)
+        yield replace(part, part=Part.FOOT, point_dissipation=dissipation)
 
 
 def _middles(shape: ContactShape, balls: _Balls) -> Iterator[tuple[np.ndarray, float]]:
