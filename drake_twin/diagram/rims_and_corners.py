@@ -54,8 +54,8 @@ _SLIM = 10.0
 _CORNER_DISSIPATION = 500.0
 _MOST_DISSIPATION = 1e4
 
-# How stiff a ball in a corner is at least that is a foot (1/s²). A box sinks by 22 µm under its own weight. Stiffer ones,
-# of slim things, have the square of that more dissipation: a door of 2 m by 4 cm would rock from edge to edge for long.
+# How stiff a ball in a corner is at least that is a foot (1/s²). A box sinks by 22 µm under its own weight.
+# Stiffer ones, of slim things, have the square of that more dissipation: a door of 2 m by 4 cm would rock for long.
 _FOOT_STIFFNESS = 6e4
 
 _FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
@@ -187,14 +187,14 @@ def _middles(shape: ContactShape, balls: _Balls) -> Iterator[tuple[np.ndarray, f
             across = np.delete(half, axis)
             corners = float(np.hypot(*across))
             even = mean_distance(np.array(list(product((-1, 1), repeat=2))) * across)
-            for side in (-1, 1):
-                yield side * (half[axis] - balls.radius) * np.eye(3)[axis], 4 * (corners / even - 1)
+            for sign in (-1, 1):
+                yield sign * (half[axis] - balls.radius) * np.eye(3)[axis], 4 * (corners / even - 1)
         return
     center = shape.X_BG.inverse() @ shape.body.default_com()
     for side in sides_under(balls.points, center):
-        corners = np.linalg.norm(side.corners - side.middle, axis=1)
+        distances = np.linalg.norm(side.corners - side.middle, axis=1)
         place = np.round(side.middle - balls.radius * side.normal, _DIGITS)
-        yield place, max(float((corners / side.mean_distance - 1).sum()), 0.0)
+        yield place, max(float((distances / side.mean_distance - 1).sum()), 0.0)
 
 
 def _moved_inside(points: np.ndarray, distance: float) -> np.ndarray:
