@@ -236,6 +236,40 @@ def test_a_robot_has_few_systems_and_the_twin_few_besides():
     ]
 
 
+class Forces(LeafSystem):
+    """No generalized forces, with a count of how often Drake asks for them: twice for each solution of a step."""
+
+    def __init__(self, size):
+        super().__init__()
+        self.asked = 0
+        self.DeclareVectorOutputPort("forces", size, self._ask)
+
+    def _ask(self, context, output):
+        self.asked += 1
+        output.SetFromVector(np.zeros(output.size()))
+
+
+@pytest.mark.parametrize("time_step", [0.001, 0.01])
+@pytest.mark.parametrize("topics", [(), ("/joint_states", "/tf", "/clock")], ids=["unheard", "heard"])
+def test_a_step_is_solved_once_whoever_listens(time_step, topics):
+    """The efforts of joint_states need the solution of the step to come, which that step takes from the cache."""
+
+    def add_forces(builder, parts):
+        forces.append(builder.AddSystem(Forces(parts.plant.num_velocities())))
+        builder.Connect(forces[-1].get_output_port(), parts.plant.get_applied_generalized_force_input_port())
+
+    forces = []
+    twin = rovers(2, time_step=time_step).system(add_forces).build()
+    received = [] if not topics else listening(twin, *topics)
+    twin.publish(COMMANDS, [2.0] * 4)
+    twin.advance_to(0.1)
+    forces[-1].GetMyMutableContextFromRoot(twin.context).DisableCaching()
+    forces[-1].asked = 0
+    twin.advance_to(1.1)
+    assert forces[-1].asked == 2 * round(1.0 / time_step)
+    assert bool(received) == bool(topics)
+
+
 def test_efforts_are_not_asked_for_in_vain(tmp_path):
     """They take as long as a step after a command; a robot that has no effort interfaces publishes none."""
     urdf = (

@@ -44,13 +44,14 @@ class StatefulController(Controller):
 
     Attributes:
         new_events: Where it notes that it has added an event, which a simulator may not know yet.
+        is_updated: Whether it has been active, so that steps may change its state.
     """
 
     def __init__(self, setup: ControllerSetup, feedforward: tuple[Interface, ...] = (), initial: Sample | None = None):
         super().__init__(setup, feedforward)
         initial = initial or Sample()
         self.new_events: list[str] = []
-        self._may_be_updated = False
+        self.is_updated = False
         if setup.active_at_start:
             initial = replace(initial, active=True, time=nan)
             self.DeclareInitializationUnrestrictedUpdateEvent(weakly(self._start))
@@ -101,8 +102,8 @@ class StatefulController(Controller):
         set_value(output, message(self, context) if self.sample(context).active else None)
 
     def _be_updated(self) -> None:
-        if not self._may_be_updated:
-            self._may_be_updated = True
+        if not self.is_updated:
+            self.is_updated = True
             if self.declare_updates():
                 self.new_events.append(self.setup.name)
 

@@ -15,28 +15,29 @@ class Reading:
     Args:
         plant: The plant.
         root_context: The root diagram's context.
+        plant_context: The plant's context in it.
 
     Attributes:
         root_context: The root diagram's context.
         time: Its time (s).
     """
 
-    def __init__(self, plant: MultibodyPlant, root_context: Context):
+    def __init__(self, plant: MultibodyPlant, root_context: Context, plant_context: Context):
         self._plant = plant
+        self._plant_context = plant_context
         self.root_context = root_context
         self.time: float = root_context.get_time()
 
     @cached_property
     def state(self) -> np.ndarray:
         """The plant's ``[q; v]``, shape (n,)."""
-        context = self._plant.GetMyContextFromRoot(self.root_context)
-        return np.array(self._plant.GetPositionsAndVelocities(context))
+        state: np.ndarray = self._plant.GetPositionsAndVelocities(self._plant_context)
+        return state
 
     @cached_property
     def with_efforts(self) -> np.ndarray:
         """``[q; v]``, the efforts of all actuators (N·m or N), NaN and 0; shape (n + m + 2,)."""
-        context = self._plant.GetMyContextFromRoot(self.root_context)
-        efforts = self._plant.get_net_actuation_output_port().Eval(context)
+        efforts = self._plant.get_net_actuation_output_port().Eval(self._plant_context)
         return np.concatenate((self.state, efforts, _CONSTANTS))
 
     @cached_property

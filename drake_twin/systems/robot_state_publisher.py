@@ -22,9 +22,6 @@ from drake_twin.systems.plant_reading import Reading
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
-_POSITION_FIRST = [4, 5, 6, 1, 2, 3, 0]  # of qw, qx, qy, qz, x, y, z
-_W_LAST = [1, 2, 3, 0]
-
 
 @dataclass(frozen=True)
 class FixedFrame:
@@ -199,8 +196,12 @@ class RobotStatePublisher(WitnesslessSystem):
 
     def _numbers(self, state: np.ndarray) -> np.ndarray:
         """Return the true poses of the bases, then the poses of the joints: x, y, z, qx, qy, qz, qw of each."""
-        bases = [_base_pose(layout, state) for layout in self._bases]
-        return np.concatenate((*bases, self._moving.poses(state[self._indices]).ravel()))
+        poses = np.empty((len(self._bases) + len(self._moving.frames), 7))
+        for index, layout in enumerate(self._bases):
+            qw, qx, qy, qz, x, y, z = layout.base_pose(state)
+            poses[index] = x, y, z, qx, qy, qz, qw
+        self._moving.fill(poses[len(self._bases) :], state[self._indices])
+        return poses.ravel()
 
     def _message(
         self, time: float, numbers: np.ndarray, of_drives: Sequence[Any] = (), of_links: Sequence[Any] = ()
@@ -235,19 +236,27 @@ class _Transforms:
         self._joints = JointFrames([joint for _, joint in joints])
         self.frames = [(prefix + joint.parent, prefix + joint.child) for prefix, joint in joints]
         self._at_zero = np.zeros(len(joints))
+        self._xyz_at_zero = self._joints.xyz(self._at_zero)
+        self._slides = bool(self._joints.moves_along.any())
 
     @cached_property
     def translations(self) -> list[Any]:
         """The translations (m) that do not change, as ``geometry_msgs/msg/Vector3``; None for the others."""
-        moves, xyz = self._joints.moves_along, self._joints.xyz(self._at_zero)
+        moves, xyz = self._joints.moves_along, self._xyz_at_zero
         return [None if moves[index] else messages.Vector3(*xyz[index].tolist()) for index in range(len(self.frames))]
 
-    def poses(self, positions: np.ndarray | None = None) -> np.ndarray:
-        """Return x, y, z (m), qx, qy, qz, qw for joint positions (rad or m; None for all zero), shape (n, 7)."""
-        positions = self._at_zero if positions is None else positions
+    def poses(self) -> np.ndarray:
+        """Return x, y, z (m), qx, qy, qz, qw for joint positions of zero, shape (n, 7)."""
         poses = np.empty((len(self.frames), 7))
-        poses[:, :3], poses[:, 3:] = self._joints.xyz(positions), self._joints.quaternions(positions)[:, _W_LAST]
+        self.fill(poses, self._at_zero)
         return poses
+
+    def fill(self, poses: np.ndarray, positions: np.ndarray) -> None:
+        """Write x, y, z (m), qx, qy, qz, qw for joint positions (rad or m) into an array of shape (n, 7)."""
+        quaternions = self._joints.quaternions(positions)
+        poses[:, :3] = self._joints.xyz(positions) if self._slides else self._xyz_at_zero
+        poses[:, 3:6] = quaternions[:, 1:]
+        poses[:, 6] = quaternions[:, 0]
 
 
 def _transforms(
@@ -268,8 +277,3 @@ def _link_transform(stamp: Any, link: LinkFrame, poses: Sequence[RigidTransform]
     w, x, y, z = X_PC.rotation().ToQuaternion().wxyz().tolist()
     transform = messages.Transform(messages.Vector3(*X_PC.translation().tolist()), messages.Quaternion(x, y, z, w))
     return messages.TransformStamped(messages.Header(stamp, link.parent), link.child, transform)
-
-
-def _base_pose(layout: StateLayout, state: np.ndarray) -> np.ndarray:
-    """Return x, y, z (m), qx, qy, qz, qw of a moving base."""
-    return layout.base_state(state)[0][_POSITION_FIRST]

@@ -8,7 +8,7 @@ from math import floor
 from operator import lt
 from typing import Any
 
-from pydrake.systems.analysis import InitializeParams, SimulatorStatus
+from pydrake.systems.analysis import InitializeParams
 
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import CENIC
@@ -20,7 +20,6 @@ from drake_twin.twin.session import Session
 
 _log = logging.getLogger(__name__)
 
-_TERMINATED = SimulatorStatus.ReturnReason.kReachedTerminationCondition
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
 _LONGEST_ADVANCE = 1.0  # s that are simulated at one go, and once more when one of the steps fails
 _LONGEST_LAG = 0.01  # s of what is delivered without a stop
@@ -180,14 +179,14 @@ class Stepper:
             look = clock.step
             while (look := (look // (period := clock.steps(self._inbox.period)) + 1) * period) < step:
                 status = physics.simulator.AdvanceTo(physics.time_of(look))
-                if self._inbox.has_request() or status.reason() == _TERMINATED:
+                if self._inbox.has_request() or not status.succeeded():
                     break
                 status = None
         status = status or physics.simulator.AdvanceTo(physics.time_of(step))
-        noticed = bool(status.reason() == _TERMINATED)
+        noticed = not status.succeeded()  # Drake raises what it cannot do
         if noticed:
             self._finish_step()
-        if not physics.settle():
+        if not physics.check():
             raise RuntimeError("the state is not made of finite numbers")
         return noticed
 

@@ -297,7 +297,7 @@ def test_a_step_that_fails_is_taken_back_with_what_it_was_to_detach(crane, monke
     twin.advance_to(0.1)
     twin.publish(DETACH, {})
     with monkeypatch.context() as patch:
-        patch.setattr("drake_twin.twin.physics.Physics.settle", lambda self: False)
+        patch.setattr("drake_twin.twin.physics.Physics.check", lambda self: False)
         with pytest.raises(RunError):
             twin.advance_to(0.2)
     assert (twin.time, twin.entities.state("crate").position[2]) == (0.1, pytest.approx(2, abs=1e-5))

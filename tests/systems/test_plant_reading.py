@@ -21,7 +21,7 @@ def reading():
     own = plant.GetMyMutableContextFromRoot(context)
     plant.SetPositionsAndVelocities(own, [0.4, -0.7])
     plant.get_actuation_input_port().FixValue(own, [3.0])
-    return Reading(plant, context)
+    return Reading(plant, context, own)
 
 
 def test_the_state_the_efforts_nan_and_zero_follow_each_other(reading):

@@ -71,6 +71,17 @@ def test_a_state_that_cannot_be_is_noticed(physics):
     state[-1] = 1e300
     physics.set_robot_state("rover", state)
     assert not physics.settle()
+    assert not physics.check()
+
+
+@pytest.mark.parametrize(("length", "is_halved"), [(1.9, False), (1e3, True), (1e30, True)])
+def test_a_check_after_an_advance_halves_a_quaternion_long_before_it_overflows(physics, length, is_halved):
+    physics.start_at_rest()
+    state = physics.robot_state("rover")
+    state[:4] = length, 0, 0, 0
+    physics.set_robot_state("rover", state)
+    assert physics.check()
+    assert bool(physics.robot_state("rover")[0] < length) is is_halved
 
 
 def test_the_end_of_a_step_is_that_many_steps_from_zero(physics):
