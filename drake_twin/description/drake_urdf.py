@@ -7,12 +7,12 @@ Each rule is one function on the XML tree, applied in order by `prepare_urdf`. T
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 from copy import deepcopy
-from dataclasses import dataclass
 from math import isfinite, pi
 from pathlib import Path
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
 from drake_twin.description.link_surface import LinkSurface
 from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual

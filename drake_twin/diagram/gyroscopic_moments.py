@@ -13,7 +13,6 @@ has no such correction.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -29,6 +28,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPor
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, Multiplexer, SymbolicVectorSystem
 from pydrake.systems.sensors import Gyroscope
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 

@@ -1,7 +1,7 @@
 """The sensors of a robot's sub-diagram, and the broadcasters that read them."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
@@ -12,6 +12,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.dataclass import dataclass
 from drake_twin.description.surroundings import Surroundings
 from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name

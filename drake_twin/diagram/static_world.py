@@ -6,7 +6,7 @@ Such shapes cost nothing in a step, while each link that is welded to the world 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.mesh_findings import said_of_solids
 from drake_twin.description.model_frames import model_frames
 from drake_twin.description.robot_description import Vector3

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
@@ -16,6 +15,7 @@ from pydrake.systems.framework import (
     System,
 )
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldFile

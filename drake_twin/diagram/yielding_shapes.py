@@ -17,7 +17,6 @@ flies up. Behind the lower part of a hollow side the pressure falls towards the 
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
 from itertools import combinations, pairwise, product
@@ -26,6 +25,7 @@ import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import Box, Convex, Cylinder, InMemoryMesh, Mesh, Shape
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of, planes_of, without_slivers
 from drake_twin.description.mesh_triangles import hull_name
 from drake_twin.diagram.contact_shapes import ContactShape

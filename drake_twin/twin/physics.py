@@ -5,7 +5,7 @@ rebuilt, every state is transferred by name, and the old diagram is released, so
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import starmap
 from math import inf
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -19,6 +19,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Sim
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.gyroscopic_moments import follow_inertias, wrench_port
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
