@@ -1,8 +1,8 @@
-"""``dataclass`` as the standard library's, made without compiling the methods of each class when it is imported.
+"""``dataclass`` as the standard library's, whose methods are compiled when they are first looked up.
 
-The standard library writes each method as text and compiles it, 0.5 ms for a frozen class: a sixth of a whole start,
-for classes of which it uses less than half. Here ``__init__`` is compiled when it is first looked up, and the others
-are closures, which take as long as compiled ones. `dataclasses.fields`, `dataclasses.replace`, … know no difference.
+The standard library writes the methods of each class as text and compiles them when its module is imported, 0.5 ms for
+a frozen class: a sixth of a whole start, which calls few of them. `dataclasses.fields`, `dataclasses.replace`,
+`inspect.signature` and classes that inherit from one find what they look for.
 """
 
 import dataclasses
@@ -12,10 +12,7 @@ if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
 else:
     from functools import partial
-    from operator import attrgetter
     from reprlib import recursive_repr
-
-    _MISSING, _GIVEN_BY_FACTORY = dataclasses.MISSING, dataclasses._HAS_DEFAULT_FACTORY
 
     def dataclass(cls=None, /, **options):
         """Make a dataclass, as `dataclasses.dataclass` does; ``InitVar`` is not known."""
@@ -24,95 +21,86 @@ else:
         if options.keys() - {"frozen", "kw_only"} or any(map(dataclasses.is_dataclass, cls.__mro__[1:])):
             return dataclasses.dataclass(cls, **options)
         is_frozen = options.pop("frozen", False)
-        own = vars(cls)
-        has_hash = own.get("__hash__") is not None or ("__hash__" in own and "__eq__" not in own)
+        own = {**vars(cls)}
         cls.__doc__ = cls.__doc__ or cls.__name__  # else it is written from the signature
         dataclasses.dataclass(cls, init=False, repr=False, eq=False, **options)
-        params = cls.__dataclass_params__  # what a subclass must be like
+        params = cls.__dataclass_params__  # which say how the classes that inherit from it have to be
         params.init = params.repr = params.eq = True
         params.frozen = is_frozen
-        fields = dataclasses.fields(cls)
-        methods = {
-            "__init__": _Init(cls, is_frozen),
-            "__repr__": _repr([field.name for field in fields if field.repr]),
-            "__eq__": _eq(_values([field.name for field in fields if field.compare])),
-        }
-        if is_frozen:
-            methods |= _refusing(cls, {field.name for field in fields})
-            hashed = [field.name for field in fields if (field.compare if field.hash is None else field.hash)]
-        if not has_hash:
-            cls.__hash__ = _hash(_values(hashed)) if is_frozen else None
-        for name, method in methods.items():
+        for name, write in (("__init__", _init), ("__repr__", _repr), ("__eq__", _eq)):
             if name not in own:
-                method.__name__, method.__qualname__ = name, f"{cls.__qualname__}.{name}"
-                setattr(cls, name, method)
+                setattr(cls, name, _Method(cls, name, write))
+        if own.get("__hash__") is None and ("__hash__" not in own or "__eq__" in own):
+            cls.__hash__ = _Method(cls, "__hash__", _hash) if is_frozen else None
+        if is_frozen:
+            _freeze(cls)
         return cls
 
-    class _Init:
-        """Stands for a class's ``__init__`` until it is first looked up, and is replaced by it then."""
+    class _Method:
+        """Stands for a method of a class until it is looked up, and is replaced by it then, in any thread."""
 
-        def __init__(self, cls, is_frozen):
-            self._cls, self._is_frozen = cls, is_frozen
+        def __init__(self, cls, name, write):
+            self._cls, self._name, self._write = cls, name, write
 
         def __get__(self, instance, owner=None):
-            self._cls.__init__ = init = _init(self._cls, self._is_frozen)
-            init.__qualname__ = self.__qualname__
-            return init.__get__(instance, owner)
+            cls, name = self._cls, self._name
+            method = self._write(cls)
+            method.__name__, method.__qualname__, method.__module__ = name, f"{cls.__qualname__}.{name}", cls.__module__
+            setattr(cls, name, method)
+            return method.__get__(instance, owner)
 
-    def _init(cls, is_frozen):
-        """Compile a class's ``__init__``."""
-        names = {"_set_": object.__setattr__, "_by_factory_": _GIVEN_BY_FACTORY}
-        first, by_name, lines = [], [], []
+    class _ByFactory:
+        """The default of a value that a factory makes."""
+
+        def __repr__(self):
+            return "<factory>"
+
+    def _compiled(parameters, lines, names=None):
+        names = {} if names is None else names
+        exec(f"def method({', '.join(parameters)}):\n " + "\n ".join(lines), names)
+        return names["method"]
+
+    def _init(cls):
+        names = {"_set_": object.__setattr__, "_by_factory_": _ByFactory()}
+        first, by_name, lines = ["self"], [], []
         for field in dataclasses.fields(cls):
-            name = value = field.name
-            parameter = name
-            if field.default_factory is not _MISSING:
-                names[f"_factory_{name}_"] = field.default_factory
-                parameter, value = f"{name}=_by_factory_", f"_factory_{name}_()"
-                if field.init:
-                    value += f" if {name} is _by_factory_ else {name}"
-            elif field.default is not _MISSING:
-                names[f"_default_{name}_"] = field.default
-                parameter = f"{name}=_default_{name}_"
+            name = parameter = value = field.name
+            if field.default is not dataclasses.MISSING:
+                parameter, names[f"_default_{name}_"] = f"{name}=_default_{name}_", field.default
+            elif field.default_factory is not dataclasses.MISSING:
+                parameter, names[f"_factory_{name}_"] = f"{name}=_by_factory_", field.default_factory
+                value = f"_factory_{name}_()" + (f" if {name} is _by_factory_ else {name}" if field.init else "")
             if field.init:
                 (by_name if field.kw_only else first).append(parameter)
-            elif field.default_factory is _MISSING:
-                continue
-            lines.append(f"_set_(self, {name!r}, {value})" if is_frozen else f"self.{name} = {value}")
+            if field.init or value != name:
+                is_frozen = cls.__dataclass_params__.frozen
+                lines.append(f"_set_(self, {name!r}, {value})" if is_frozen else f"self.{name} = {value}")
         if hasattr(cls, "__post_init__"):
             lines.append("self.__post_init__()")
-        parameters = ", ".join(["self", *first, *(["*", *by_name] if by_name else [])])
-        exec(f"def __init__({parameters}):\n " + "\n ".join(lines or ["pass"]), names)
-        init = names["__init__"]
-        init.__module__ = cls.__module__
-        init.__annotations__ = {field.name: field.type for field in dataclasses.fields(cls) if field.init}
-        init.__annotations__["return"] = None
-        return init
+        method = _compiled([*first, *(["*", *by_name] if by_name else [])], lines or ["pass"], names)
+        types = {field.name: field.type for field in dataclasses.fields(cls) if field.init}
+        method.__annotations__ = {**types, "return": None}
+        return method
 
-    def _values(names):
-        """Return a function that returns an instance's values as a tuple."""
-        if len(names) > 1:
-            return attrgetter(*names)
-        return (lambda instance: (getattr(instance, names[0]),)) if names else lambda instance: ()
+    def _repr(cls):
+        values = ", ".join(f"{field.name}={{self.{field.name}!r}}" for field in dataclasses.fields(cls) if field.repr)
+        return recursive_repr()(_compiled(["self"], [f'return f"{{self.__class__.__qualname__}}({values})"']))
 
-    def _repr(names):
-        @recursive_repr()
-        def described(self):
-            return f"{type(self).__qualname__}({', '.join(f'{name}={getattr(self, name)!r}' for name in names)})"
+    def _eq(cls):
+        names = [field.name for field in dataclasses.fields(cls) if field.compare]
+        same = f"{_values('self', names)} == {_values('other', names)}"
+        return _compiled(["self", "other"], [f"return {same} if other.__class__ is self.__class__ else NotImplemented"])
 
-        return described
+    def _hash(cls):
+        fields = dataclasses.fields(cls)
+        names = [field.name for field in fields if (field.compare if field.hash is None else field.hash)]
+        return _compiled(["self"], [f"return hash({_values('self', names)})"])
 
-    def _eq(values):
-        def equals(self, other):
-            return values(self) == values(other) if other.__class__ is self.__class__ else NotImplemented
+    def _values(instance, names):
+        return "(" + "".join(f"{instance}.{name}, " for name in names) + ")"
 
-        return equals
-
-    def _hash(values):
-        return lambda instance: hash(values(instance))
-
-    def _refusing(cls, names):
-        """Return methods that refuse to set or delete the fields of a frozen class."""
+    def _freeze(cls):
+        names = {field.name for field in dataclasses.fields(cls)}
 
         def set_it(self, name, value):
             if type(self) is cls or name in names:
@@ -124,4 +112,4 @@ else:
                 raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
             super(cls, self).__delattr__(name)
 
-        return {"__setattr__": set_it, "__delattr__": delete_it}
+        cls.__setattr__, cls.__delattr__ = set_it, delete_it

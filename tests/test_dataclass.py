@@ -214,16 +214,20 @@ def test_an_instance_that_was_sent_is_whole_before_any_was_made():
     assert pickle.loads(pickle.dumps(received)) == Sent(2)
 
 
-def test_methods_are_compiled_when_they_are_used(monkeypatch):
+def test_methods_are_compiled_when_they_are_looked_up(monkeypatch):
     compiled = []
-    monkeypatch.setitem(dataclasses.__dict__, "exec", lambda *_: compiled.append("standard"))
+    monkeypatch.setitem(dataclasses.__dict__, "exec", lambda *_: compiled.append("by the standard library"))
 
     @dataclass(frozen=True)
-    class Unused:
+    class Point:
         x: int
 
+    def are_functions() -> list[bool]:
+        return [inspect.isfunction(vars(Point)[name]) for name in ("__init__", "__repr__", "__eq__", "__hash__")]
+
     assert compiled == []
-    assert inspect.isfunction(vars(Unused)["__eq__"])
-    assert not inspect.isfunction(vars(Unused)["__init__"])
-    Unused(1)
-    assert inspect.isfunction(vars(Unused)["__init__"])
+    assert are_functions() == [False] * 4
+    point = Point(1)
+    assert are_functions() == [True, False, False, False]
+    assert (point == Point(1), hash(point), repr(point)) == (True, hash((1,)), f"{Point.__qualname__}(x=1)")
+    assert are_functions() == [True] * 4
