@@ -214,10 +214,7 @@ def test_an_instance_that_was_sent_is_whole_before_any_was_made():
     assert pickle.loads(pickle.dumps(received)) == Sent(2)
 
 
-def test_methods_are_compiled_when_they_are_looked_up(monkeypatch):
-    compiled = []
-    monkeypatch.setitem(dataclasses.__dict__, "exec", lambda *_: compiled.append("by the standard library"))
-
+def test_methods_are_compiled_when_they_are_looked_up():
     @dataclass(frozen=True)
     class Point:
         x: int
@@ -225,7 +222,6 @@ def test_methods_are_compiled_when_they_are_looked_up(monkeypatch):
     def are_functions() -> list[bool]:
         return [inspect.isfunction(vars(Point)[name]) for name in ("__init__", "__repr__", "__eq__", "__hash__")]
 
-    assert compiled == []
     assert are_functions() == [False] * 4
     point = Point(1)
     assert are_functions() == [True, False, False, False]
