@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
@@ -13,11 +13,13 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Pose, RobotDescription, Sensor
 from drake_twin.description.surroundings import Surroundings
-from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldModel
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class SensorSetup:
     renderer: LazyRenderer = field(default_factory=LazyRenderer)
     owner: str = ""
     anchors: Mapping[str, RigidTransform] = field(default_factory=dict)
-    models: tuple[WorldModel, ...] = ()
+    models: "tuple[WorldModel, ...]" = ()
 
     @property
     def body(self) -> RigidBody:
