@@ -83,7 +83,14 @@ MESHES = FileKind(
     "in the digest that is the file's name",
     "this version only: others convert again",
 )
-FILE_KINDS = (SCENARIO, CALIBRATED, SAVED_STATE, RECORDING, SUMMARY, SWEEP, BAG, HTML, MESHES)
+EXPANSIONS = FileKind(
+    "expanded xacro file",
+    "the cache of expansions",
+    1,
+    "in the digest that is the file's name",
+    "this version only: others expand again",
+)
+FILE_KINDS = (SCENARIO, CALIBRATED, SAVED_STATE, RECORDING, SUMMARY, SWEEP, BAG, HTML, MESHES, EXPANSIONS)
 
 
 def written_by() -> dict[str, str]:
