@@ -25,7 +25,7 @@ def start_again() -> None:
     """Start a program that simulates once more, with more blocks kept, if nobody has chosen otherwise."""
     tunables = os.environ.get(_TUNABLES, "")
     is_chosen = _KEPT in tunables or "malloc" in os.environ.get("LD_PRELOAD", "")
-    if is_chosen or os.environ.get(OPT_OUT) == "system" or not (_is_glibc() and _simulates(sys.orig_argv[1:])):
+    if is_chosen or os.environ.get(OPT_OUT) == "system" or not (_is_glibc() and simulates(sys.orig_argv[1:])):
         return
     kept = f"{_KEPT}={_COUNT}"
     environment = {**os.environ, _TUNABLES: f"{tunables}:{kept}" if tunables else kept}
@@ -33,7 +33,7 @@ def start_again() -> None:
         os.execve(sys.executable, [sys.executable, *sys.orig_argv[1:]], environment)
 
 
-def _simulates(words: list[str]) -> bool:
+def simulates(words: list[str]) -> bool:
     """Return whether a command line starts a program that simulates."""
     for word, after in zip(words, [*words[1:], ""], strict=True):
         name = os.path.basename(word).removeprefix("-m")

@@ -22,7 +22,6 @@ from lxml import etree
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.source_file import file_bytes
 from drake_twin.description.xacro_cache import Answers, Expanded, keep_expansion, kept_expansion
-from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
 from drake_twin.description.xacro_surroundings import XacroSurroundings
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
@@ -72,6 +71,8 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
 
 
 def _expand(file: Path, arguments: Mapping[str, str], surroundings: XacroSurroundings) -> Expanded:
+    from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
+
     xacro = installed_xacro()
     tell(f"expanding {file.name}")
     with contextlib.redirect_stderr(io.StringIO()) as printed:

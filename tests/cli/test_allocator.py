@@ -53,6 +53,6 @@ def test_what_a_person_has_chosen_stays(tmp_path):
     "command", [("-m", "drake_twin.check"), ("-m", "drake_twin", "check"), ("-m", "drake_twin", "topic", "run")]
 )
 def test_programs_that_do_not_simulate_start_once(command):
-    from drake_twin.allocator import _simulates
+    from drake_twin.allocator import simulates
 
-    assert not _simulates(list(command))
+    assert not simulates(list(command))
