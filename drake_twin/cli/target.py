@@ -278,7 +278,8 @@ def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: boo
     if xacro_args:
         raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file")
     scenario = demo_scenario(robot, options.robots or 2, drive=drive)
-    return replace(scenario, package_paths=tuple(package_paths(options)))
+    folders = tuple(package_paths(options))
+    return replace(scenario, package_paths=folders) if folders else scenario
 
 
 def _own_or(name: str) -> Path:
