@@ -18,12 +18,14 @@ else:
         """Make a dataclass, as `dataclasses.dataclass` does; ``InitVar`` is not known."""
         if cls is None:
             return partial(dataclass, **options)
-        if options.keys() - {"frozen", "kw_only"} or any(map(dataclasses.is_dataclass, cls.__mro__[1:])):
+        if options.keys() - {"frozen", "kw_only"}:
             return dataclasses.dataclass(cls, **options)
         is_frozen = options.pop("frozen", False)
+        inherits = any(map(dataclasses.is_dataclass, cls.__mro__[1:]))
         own = {**vars(cls)}
         cls.__doc__ = cls.__doc__ or cls.__name__  # else it is written from the signature
-        dataclasses.dataclass(cls, init=False, repr=False, eq=False, **options)
+        # One that inherits has to be frozen as its base is, of which the standard library makes sure.
+        dataclasses.dataclass(cls, init=False, repr=False, eq=False, frozen=is_frozen and inherits, **options)
         params = cls.__dataclass_params__  # which say how the classes that inherit from it have to be
         params.init = params.repr = params.eq = True
         params.frozen = is_frozen
@@ -32,7 +34,7 @@ else:
                 setattr(cls, name, _Method(cls, name, write))
         if own.get("__hash__") is None and ("__hash__" not in own or "__eq__" in own):
             cls.__hash__ = _Method(cls, "__hash__", _hash) if is_frozen else None
-        if is_frozen:
+        if is_frozen and not inherits:
             _freeze(cls)
         return cls
 

@@ -90,6 +90,14 @@ def classes(make: Decorator) -> dict[str, type]:
     class More(Pair):
         third: int = 3
 
+    @make(frozen=True, kw_only=True)
+    class OwnText(More):
+        second: object = 5
+        fourth: list[int] = dataclasses.field(default_factory=list, compare=False)
+
+        def __repr__(self) -> str:
+            return f"{super().__repr__()} and more"
+
     found = locals()
     return {name: kind for name, kind in found.items() if name != "make"}
 
@@ -107,6 +115,7 @@ VALUES: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
     "Thing": ((1,), {}),
     "Ordered": ((1,), {}),
     "More": ((1, 2), {}),
+    "OwnText": ((1,), {"third": 4}),
 }
 
 
@@ -199,6 +208,8 @@ def test_a_standard_dataclass_inherits_from_one():
         more.first = 5
     with pytest.raises(TypeError, match="cannot inherit non-frozen dataclass from a frozen one"):
         dataclasses.dataclass(type("Other", (OURS["Pair"],), {}))
+    with pytest.raises(TypeError, match="cannot inherit non-frozen dataclass from a frozen one"):
+        dataclass(type("Other", (OURS["Pair"],), {}))
 
 
 @dataclass(frozen=True)
