@@ -90,12 +90,20 @@ class Side:
         width: Of a rectangle that resists tilting alike (m): √12 times the least radius of gyration of the area.
         height: Of the center of mass above it (m).
         off: Of the middle of its area from the foot of the center of mass (m).
+        normal: Its direction outwards (3).
+        middle: Of its area (3, m).
+        corners: Around it (k×3, m).
+        mean_distance: Of the points of its area from their middle (m).
     """
 
     area: float
     width: float
     height: float
     off: float
+    normal: np.ndarray
+    middle: np.ndarray
+    corners: np.ndarray
+    mean_distance: float
 
 
 def sides_under(corners: np.ndarray, center: np.ndarray) -> list[Side]:
@@ -108,21 +116,47 @@ def sides_under(corners: np.ndarray, center: np.ndarray) -> list[Side]:
         foot = center + height * normal
         if height <= 0 or (normals @ foot - distances).max() > near:
             continue
-        own = corners[np.abs(corners @ normal - distance) < near] - foot
+        around = corners[np.abs(corners @ normal - distance) < near]
+        own = around - foot
         one = own[np.argmax(np.linalg.norm(own, axis=1))]
         one = (one - one @ normal * normal) / np.linalg.norm(one)
-        flat = own @ np.column_stack([one, np.cross(normal, one)])
+        axes = np.column_stack([one, np.cross(normal, one)])
+        flat = own @ axes
         area, middle, moments = _moments_of_area(flat)
         if area > near**2:
             width = float(np.sqrt(12 * max(np.linalg.eigvalsh(moments / area)[0], 0.0)))
-            found.append(Side(area, width, height, float(np.linalg.norm(middle))))
+            off, place = float(np.linalg.norm(middle)), foot + axes @ middle
+            found.append(Side(area, width, height, off, normal, place, around, mean_distance(flat - middle)))
     return found
+
+
+def mean_distance(points: np.ndarray) -> float:
+    """Return the mean distance from the origin (m) of the points of a convex polygon of the plane (n×2) around it."""
+    around = _in_order(points)
+    area = moment = 0.0
+    for one, other in zip(around, np.roll(around, -1, axis=0), strict=True):
+        edge = other - one
+        length = float(np.hypot(*edge))
+        double = abs(float(one[0] * other[1] - one[1] * other[0]))
+        if length == 0.0 or double == 0.0:
+            continue
+        away = double / length  # of the edge
+        t = np.array([one @ edge, other @ edge]) / (length * away)
+        integral = t * np.sqrt(1 + t**2) + np.arcsinh(t)  # of the distance over the triangle, times 6 ÷ away³
+        moment += away**3 / 6 * float(integral[1] - integral[0])
+        area += double / 2
+    return moment / area if area > 0 else 0.0
+
+
+def _in_order(points: np.ndarray) -> np.ndarray:
+    """Return the corners of a convex polygon of the plane (n×2) in the order around it."""
+    around = points - points.mean(axis=0)
+    return points[np.argsort(np.arctan2(around[:, 1], around[:, 0]), kind="stable")]
 
 
 def _moments_of_area(points: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
     """Return area, middle and second moments about the middle (2×2) of a convex polygon of the plane (n×2)."""
-    around = points - points.mean(axis=0)
-    around = around[np.argsort(np.arctan2(around[:, 1], around[:, 0]), kind="stable")]
+    around = _in_order(points) - points.mean(axis=0)
     area, first, second = 0.0, np.zeros(2), np.zeros((2, 2))
     for one, other in zip(around, np.roll(around, -1, axis=0), strict=True):  # triangles from the corners' mean
         part = abs(float(one[0] * other[1] - one[1] * other[0])) / 2

@@ -94,7 +94,7 @@ def give_contact(
     exclude_within_models(plant, scene_graph, models)
     found = []
     for shape in shapes:
-        if shape.is_corner:
+        if shape.part.is_ball:
             continue
         touches = WHEEL if shape.is_wheel else FACES if shape.is_flat else IN_A_POINT
         if shape.geometry in registry.without_faces:

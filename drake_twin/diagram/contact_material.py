@@ -16,7 +16,7 @@ from pydrake.geometry import (
 from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.description.hull import corners_of, sides_under
-from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, extent_of
+from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, Part, extent_of
 from drake_twin.diagram.rims_and_corners import CORNER_STIFFNESS, recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
@@ -111,7 +111,9 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
         stiffness, dissipation = shape.support.stiffness, _SUPPORT_DISSIPATION
     elif shape.point_stiffness is not None:
         stiffness = shape.point_stiffness * shape.mass
-        if shape.is_corner:
+        if shape.part is Part.FOOT:
+            stiffness *= _borne(shape) / shape.mass
+        elif shape.part is Part.CORNER:
             stiffness = max(stiffness, CORNER_STIFFNESS * _borne(shape))
             relative = shape.point_stiffness / CORNER_STIFFNESS
             dissipation = min(_CORNER_DISSIPATION * relative, _MOST_CORNER_DISSIPATION)

@@ -28,7 +28,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
-from drake_twin.diagram.contact_shapes import ContactShape, Group
+from drake_twin.diagram.contact_shapes import ContactShape, Group, Part
 from drake_twin.diagram.yielding_shapes import divided, yielding
 from drake_twin.errors import InputError
 
@@ -72,8 +72,7 @@ class _Class(NamedTuple):
     friction: float
     role: str
     is_loose: bool
-    is_corner: bool
-    bears_corners: bool
+    part: Part
 
 
 def usual_role(shape: ContactShape) -> str:
@@ -104,8 +103,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             shape.friction,
             usual_role(shape),
             shape.is_loose,
-            shape.is_corner,
-            shape.bears_corners,
+            shape.part,
         )
         for shape in shapes
     ]
@@ -156,11 +154,11 @@ def _inexact(common: float, static: Collection[float], moving: Collection[float]
 def _meet(one: _Class, other: _Class) -> bool:
     """Return whether shapes of two classes meet.
 
-    Those of one model do if its bodies collide with each other; corners meet what bears them.
+    Those of one model do if its bodies collide with each other; of balls and what they meet see `Part`.
     """
     if one.is_static and other.is_static:
         return False
-    if one.is_corner > other.bears_corners or other.is_corner > one.bears_corners:
+    if not one.part.meets(other.part):
         return False
     if one.group is None or other.group is None or one.group.model != other.group.model:
         return True
@@ -240,10 +238,16 @@ class Registry:
                 for item in levels[level]
                 if (not item.shape.is_static if level == _ONE_FOR_ALL else item.shape.friction > level)
             )
-        corners = [item for item in self._registered if item.shape.is_corner]
-        others = [item for item in self._registered if not item.shape.is_corner and not item.shape.bears_corners]
-        self._exclude_within(corners)
-        self._exclude_between(corners, others)
+        parts: dict[Part, list[_Registered]] = defaultdict(list)
+        for item in self._registered:
+            parts[item.shape.part].append(item)
+        for one, other in combinations_with_replacement(parts, 2):
+            if one.meets(other):
+                continue
+            if one is other:
+                self._exclude_within(parts[one])
+            else:
+                self._exclude_between(parts[one], parts[other])
         self._exclude_within(roles[HARD])
         loose = [item for item in roles[SOFT] if item.shape.is_loose]
         self._exclude_within(loose)

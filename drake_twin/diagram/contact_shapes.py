@@ -1,6 +1,7 @@
 """Collision shapes with the properties that decide on their contact."""
 
 from collections.abc import Sequence
+from enum import Enum
 from math import fsum, inf, sqrt
 
 import numpy as np
@@ -35,6 +36,10 @@ _LEAST = 1e-100  # m, whose square is not zero
 # What is thinner is pressed out on the wrong side where a corner has passed its middle in a step (m).
 _THICK = 0.05
 
+# At longer steps (s) things stand on planes with their faces, which take part in a step before they touch. A ball takes
+# part only after that, so that at 10 ms a box that is set down sticks where it should slide.
+LONGEST_ON_FEET = 2e-3
+
 # A body falls over on contacts that yield more to a side than they bear of its weight: they have ten times the
 # stiffness that this needs (m/s²).
 UPRIGHT = 10 * 9.81
@@ -60,6 +65,32 @@ class Group:
     mass: float
     model: str
     body: int
+
+
+class Part(Enum):
+    """Which shapes a shape meets where loose ones have balls beside their faces; statics are the last three."""
+
+    WHOLE = "whole"  # it meets all but balls
+    FACES = "faces"  # of what has feet: they meet all but planes and balls
+    CORNER = "corner"  # a ball that meets what is thick
+    FOOT = "foot"  # a ball that meets planes
+    THIN = "thin"  # it meets no ball: one that is pressed in by a step may pass its middle
+    THICK = "thick"  # it meets corners beside the faces between them
+    PLANE = "plane"  # it meets feet in place of the faces between them
+
+    @property
+    def is_ball(self) -> bool:
+        """Whether it is a ball beside the faces of a shape."""
+        return self in (Part.CORNER, Part.FOOT)
+
+    def meets(self, other: "Part") -> bool:
+        """Return whether shapes of two parts meet."""
+        pair = {self, other}
+        if Part.CORNER in pair:
+            return Part.THICK in pair
+        if Part.FOOT in pair:
+            return Part.PLANE in pair
+        return pair != {Part.FACES, Part.PLANE}
 
 
 @dataclass(frozen=True)
@@ -96,8 +127,7 @@ class ContactShape:
         mass: The mass that it may have to bear (kg).
         own_mass: The mass of what its body is welded to, with its own (kg).
         point_stiffness: How stiff it is where it touches in a point (a natural frequency squared, 1/s²); None as usual.
-        is_corner: Whether it is a ball in a corner of a loose shape.
-        bears_corners: Whether such balls meet it: it does not move, and is so thick that they do not pass its middle.
+        part: What it is in contacts of the balls beside faces.
         is_roller: Whether it is one of several around a wheel.
         support: What its robot stands on; None for stiffness that follows from its mass.
     """
@@ -116,8 +146,7 @@ class ContactShape:
     mass: float
     own_mass: float
     point_stiffness: float | None = None
-    is_corner: bool = False
-    bears_corners: bool = False
+    part: Part = Part.WHOLE
     is_roller: bool = False
     support: Support | None = None
 
@@ -206,7 +235,7 @@ class ShapeReader:
             friction=friction,
             group=group,
             is_static=is_static,
-            bears_corners=is_static and _thickness(shape) >= _THICK,
+            part=self._part(shape) if is_static else Part.WHOLE,
             is_flat=contact != POINT and not isinstance(shape, _ROUND),
             is_wheel=wheel is not None,
             is_roller=wheel is not None and wheel.is_roller,
@@ -216,6 +245,11 @@ class ShapeReader:
             mass=sqrt(max(moves, _LEAST_MASS) * max(total, own, _LEAST_MASS)),
             own_mass=own,
         )
+
+    def _part(self, static: Shape) -> Part:
+        if isinstance(static, HalfSpace) and 0 < self._plant.time_step() <= LONGEST_ON_FEET:
+            return Part.PLANE
+        return Part.THICK if _thickness(static) >= _THICK else Part.THIN
 
     def _is_one_body(self, model: ContactModel, body: RigidBody) -> bool:
         count = sum(len(self._plant.GetBodyIndices(instance)) for instance in model.instances)
