@@ -27,9 +27,13 @@ _first = "".join(sys.argv[:1])
 _is_module = _first == "-m" and any(word.startswith(("drake_twin", "-mdrake_twin")) for word in sys.orig_argv)
 _is_program = _is_module or _first.endswith("/drake-twin")
 if _is_program:
-    from drake_twin.allocator import start_again
+    from drake_twin.allocator import simulates, start_again
 
     start_again()
+    if simulates(sys.orig_argv[1:]):
+        import gc
+
+        gc.disable()  # what is imported lasts; `run_program` enables it
 
     import signal
 

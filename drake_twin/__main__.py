@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from drake_twin.program import leave, run_program, version_text
+from drake_twin.program import collecting_later, leave, run_program, version_text
 
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
@@ -49,9 +49,10 @@ def main() -> int:
 
 
 def _run(name: str, arguments: Sequence[str]) -> int:
-    module = import_module(f"drake_twin.tools.{name}" if name in TOOLS else f"drake_twin.{name}")
-    if hasattr(module, "__path__"):  # a package keeps its program in __main__
-        module = import_module(f"drake_twin.{name}.__main__")
+    with collecting_later():
+        module = import_module(f"drake_twin.tools.{name}" if name in TOOLS else f"drake_twin.{name}")
+        if hasattr(module, "__path__"):  # a package keeps its program in __main__
+            module = import_module(f"drake_twin.{name}.__main__")
     return int(module.main(arguments))
 
 

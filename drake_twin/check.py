@@ -5,13 +5,13 @@ import json
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.cli.build_line import build_line
 from drake_twin.cli.lost import check_lost
 from drake_twin.cli.plugins import add_plugin, load_plugins
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Finding, Kind, Weight, counted, texts

@@ -13,13 +13,13 @@ import re
 import sys
 from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 
 if TYPE_CHECKING:
@@ -168,14 +168,14 @@ class Registry(Mapping[str, _K]):
             files = [file for folder in import_own(package).__path__ for file in Path(folder).glob("*.py")]
             for file in sorted(files, key=lambda file: (ranks.get(file.stem, len(ranks)), file.stem)):
                 text = file.read_text(encoding="utf-8")
-                if re.search(rf"^{self._decorator}\b", text, re.MULTILINE):
+                if f"\n{self._decorator}" in text and re.search(rf"^{self._decorator}\b", text, re.MULTILINE):
                     found[f"{package}.{file.stem}"] = text
         return found
 
     def _import_own(self, name: str | None = None) -> None:
         """Import the twin's own modules, or those that name a kind."""
         for module, text in self._own.items():
-            if name is None or re.search(f'["`]{re.escape(name)}["`]', text):
+            if name is None or any(f"{mark}{name}{mark}" in text for mark in '"`'):
                 import_own(module)
 
     def _import_others(self) -> None:

@@ -123,6 +123,7 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
     # NumPy's threads for large matrices, of which the twin has none, would wait for work in a loop: 0.1 s of two cores
     # after the import. They read this then, so that a program imports NumPy within `program`.
     os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")
+    gc.enable()  # see `drake_twin`
     arguments = sys.argv[1:] if arguments is None else arguments
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

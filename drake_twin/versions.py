@@ -2,12 +2,12 @@
 
 import platform
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 
 
@@ -83,7 +83,14 @@ MESHES = FileKind(
     "in the digest that is the file's name",
     "this version only: others convert again",
 )
-FILE_KINDS = (SCENARIO, CALIBRATED, SAVED_STATE, RECORDING, SUMMARY, SWEEP, BAG, HTML, MESHES)
+EXPANSIONS = FileKind(
+    "expanded xacro file",
+    "the cache of expansions",
+    1,
+    "in the digest that is the file's name",
+    "this version only: others expand again",
+)
+FILE_KINDS = (SCENARIO, CALIBRATED, SAVED_STATE, RECORDING, SUMMARY, SWEEP, BAG, HTML, MESHES, EXPANSIONS)
 
 
 def written_by() -> dict[str, str]:

@@ -50,7 +50,7 @@ ROOMS = [
     ["typed_data"],
     ["plugin_watch"],
     ["values", "extensions", "frozen", "requirements", "saved", "versions"],
-    ["errors"],
+    ["errors", "dataclass"],
 ]
 RANKS = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
 MOST_LINES = 400
@@ -134,6 +134,15 @@ def test_a_circle_of_files_would_be_seen(monkeypatch, tmp_path):
     monkeypatch.setitem(FILES, "drake_twin.twin.state", file)
     with pytest.raises(CycleError, match=r"drake_twin\.twin\.twin', 'drake_twin\.twin\.state"):
         test_no_files_import_each_other_in_a_circle()
+
+
+def test_dataclasses_are_those_that_are_imported_quickly():
+    standard = [
+        module
+        for module, file in FILES.items()
+        if re.search(r"^(from dataclasses import .*\bdataclass\b|@dataclasses\.dataclass\b)", file.read_text(), re.M)
+    ]
+    assert standard == []
 
 
 def test_planning_and_what_lies_below_the_systems_is_without_drake():

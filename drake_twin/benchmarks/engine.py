@@ -1,6 +1,5 @@
 """The interface of the engines, and their settings."""
 
-from dataclasses import dataclass
 from importlib import import_module
 from math import floor
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from drake_twin.benchmarks.workloads import Workload
+from drake_twin.dataclass import dataclass
 
 
 class Engine(Protocol):

@@ -3,12 +3,13 @@
 import json
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from datetime import date
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.whole_file import write_result
 
 Cell = str | float | int | None

@@ -1,13 +1,13 @@
 """The robots of a workload as the twin prepares them, which the other engines load, too."""
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.benchmarks.workloads import Box, Workload
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.world_file import read_world

@@ -1,7 +1,6 @@
 """What sensors cost: while nobody listens, and for each message."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from math import cos, pi, sin
 from os import getpid, sysconf
@@ -12,6 +11,7 @@ from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.size import Size
 from drake_twin.builder.twin_builder import TwinBuilder
+from drake_twin.dataclass import dataclass
 from drake_twin.scenario import World
 from drake_twin.twin.twin import Twin
 

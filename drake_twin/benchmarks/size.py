@@ -1,7 +1,8 @@
 """How much the benchmarks measure."""
 
-from dataclasses import dataclass
 from pathlib import Path
+
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,14 @@
 """What the robots do while they are timed: several kinds of work, so that none favors one engine."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sin
 from pathlib import Path
 
 import numpy as np
 
 from drake_twin.builder.demo import demo_scenario
+from drake_twin.dataclass import dataclass
 from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, World
 
 LOOK_AT = 1.3  # s; the time at which errors are measured

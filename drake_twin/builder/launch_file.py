@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.builder.robot_file import PlannedScenario
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
 from drake_twin.diagram.footprint import height_on_ground

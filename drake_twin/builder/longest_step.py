@@ -2,11 +2,12 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.multibody.tree import ModelInstanceIndex
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import TwinError
 from drake_twin.progress import tell
 from drake_twin.scenario import DISCRETE, Scenario, ScenarioError

@@ -1,9 +1,10 @@
 """The scenario of one robot file, once or several times in a row."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import robot_name_in_file
 from drake_twin.description.xacro_file import xacro_arguments

@@ -6,11 +6,11 @@ cannot tell.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from drake_twin.calibration.evaluations import Evaluation, Evaluations
+from drake_twin.dataclass import dataclass
 
 _LEAST_STEP, _LARGEST_STEP = 2e-3, 0.1  # of the range
 _UNIFORM = 12**-0.5  # the standard deviation of a value of which only the range is known

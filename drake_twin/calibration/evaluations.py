@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from drake_twin.calibration.fitted import Fitted
 from drake_twin.calibration.residuals import Comparison, independent
 from drake_twin.calibration.simulated import Simulated, SimulatedLog
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import RunError
 from drake_twin.program import say
 

@@ -1,8 +1,8 @@
 """One ``--fit PATH=LOW:HIGH``: a value to find, and the range to search."""
 
-from dataclasses import dataclass
 from math import exp, isfinite, log
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 
 

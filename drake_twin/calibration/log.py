@@ -5,13 +5,13 @@ one, when it was recorded.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drake_twin.calibration.measured import JOINT_STATES, NUMBERS, continuous
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.messages.text import plain_data
 from drake_twin.playback.bag import Bag, BagMessage

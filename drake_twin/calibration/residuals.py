@@ -6,7 +6,6 @@ clock plus the delays of commands and measurements, of which a log shows only th
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -15,6 +14,7 @@ from drake_twin.calibration.log import Log, Measured, Series
 from drake_twin.calibration.measured import kind_of
 from drake_twin.calibration.noise import noises
 from drake_twin.calibration.simulated import Simulated
+from drake_twin.dataclass import dataclass
 
 _GRID = 33  # delays that are tried before the best is refined
 _EXACT = 1e-6  # s

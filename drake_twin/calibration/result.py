@@ -1,12 +1,12 @@
 """What a calibration finds."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from drake_twin.calibration.fitted import Fitted
 from drake_twin.calibration.log import Series
+from drake_twin.dataclass import dataclass
 from drake_twin.scenario import Scenario
 
 

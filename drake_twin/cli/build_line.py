@@ -5,7 +5,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from importlib.abc import MetaPathFinder
 
 from drake_twin.program import say
 from drake_twin.progress import heard
@@ -61,7 +60,7 @@ def build_line(stopped: Sequence[int]) -> Iterator[None]:
             steps.end()
 
 
-class _Imports(MetaPathFinder):
+class _Imports:
     """Finds no module, and looks for signals with each one that this thread imports: all of Drake takes a second."""
 
     def __init__(self, look: Callable[[], None]):

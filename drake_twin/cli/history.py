@@ -1,10 +1,11 @@
 """The joint states and the real-time factor over a run, as plain data; `drake_twin.cli.plot` draws it."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.twin.twin import Twin
 
 SAMPLE_RATE = 50.0  # Hz of simulation time

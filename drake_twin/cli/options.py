@@ -12,7 +12,6 @@ from drake_twin.cli.time_step_option import add_time_step
 from drake_twin.errors import InputError
 from drake_twin.film.kinds import FILMS, PICTURE, Format, check_film, is_film
 from drake_twin.program import ArgumentParser, add_keep_going, add_repeated, add_strict, add_version
-from drake_twin.ros2.ros_arguments import without_ros_arguments
 from drake_twin.scenario import LONGEST_TIME
 from drake_twin.wires.registry import wire_kinds
 
@@ -57,8 +56,13 @@ class _Parser(ArgumentParser):
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse a command line."""
-        own, of_ros = without_ros_arguments(sys.argv[1:] if args is None else args)
-        options = super().parse_args(own, namespace)
+        args = sys.argv[1:] if args is None else args
+        of_ros: list[str] = []
+        if "--ros-args" in args:
+            from drake_twin.ros2.ros_arguments import without_ros_arguments
+
+            args, of_ros = without_ros_arguments(args)
+        options = super().parse_args(args, namespace)
         options.ros_args = of_ros
         options.film = getattr(options, "film", None)
         return options

@@ -6,11 +6,12 @@ import argparse
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from drake_twin.cli.time_step_option import with_longest_step
+from drake_twin.dataclass import dataclass
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.description.source_file import regular_open
@@ -277,7 +278,8 @@ def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: boo
     if xacro_args:
         raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file")
     scenario = demo_scenario(robot, options.robots or 2, drive=drive)
-    return replace(scenario, package_paths=tuple(package_paths(options)))
+    folders = tuple(package_paths(options))
+    return replace(scenario, package_paths=folders) if folders else scenario
 
 
 def _own_or(name: str) -> Path:

@@ -12,9 +12,10 @@ import html
 import os
 import secrets
 import socket
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.own_host import is_every_interface, is_loopback, is_own_name, split_host
 
 

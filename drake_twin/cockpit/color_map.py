@@ -1,9 +1,10 @@
 """The colors of measured values, from dark blue for the lowest to yellow for the highest, and their legends."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from drake_twin.dataclass import dataclass
 
 _STOPS = np.array([[0.13, 0.18, 0.60], [0.12, 0.42, 0.82], [0.10, 0.70, 0.45], [0.95, 0.60, 0.12], [0.99, 0.88, 0.35]])
 

@@ -1,7 +1,6 @@
 """What the page shows of the thing that is selected: labelled values in sections, the same form for every kind."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from math import isfinite
 from pathlib import PurePath
 
@@ -11,6 +10,7 @@ from pydrake.math import RollPitchYaw
 from pydrake.multibody.tree import RigidBody
 
 from drake_twin.cockpit.world_tree import GROUND, JOINT, LIGHT, LINK, MODEL, ROBOT, SENSOR, Node, instances_of, place_of
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Joint, Vector3
 from drake_twin.diagram.contact import TouchingShape

@@ -1,12 +1,12 @@
 """Sliders for commanded joints: one for each number of a command topic."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import isfinite, pi
 from typing import Any
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Joint
 from drake_twin.errors import InputError
 from drake_twin.planning.robot_plan import RobotPlan

@@ -2,11 +2,12 @@
 
 import logging
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import drake_twin
+from drake_twin.dataclass import dataclass
 from drake_twin.twin.event_topics import ROSOUT
 from drake_twin.twin.rosout import TWIN
 from drake_twin.twin.twin import Twin

@@ -1,11 +1,11 @@
 """What a page can draw besides the robots; an overlay exists while it is shown, so that a hidden one costs nothing."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from drake_twin.cockpit.extensions import PageRegistry
 from drake_twin.cockpit.scene import Scene
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.twin.twin import Twin
 

@@ -1,7 +1,6 @@
 """The panels of a user's own: what the page draws them from, what it reads while a tab shows them, and what it asks."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from drake_twin.cockpit.page_panel import PAGE_PANELS, PagePanel
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import read_as
 from drake_twin.cockpit.scene import Scene
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.twin.others_code import OthersCode
 from drake_twin.twin.twin import Twin

@@ -6,10 +6,10 @@ import os
 import stat
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from drake_twin.cockpit.access import new_token, write_private
+from drake_twin.dataclass import dataclass
 
 LONGEST_CLOSED = 3600.0  # s
 MOST_PAGES = 1000

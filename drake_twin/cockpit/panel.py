@@ -1,11 +1,11 @@
 """Sections that other packages add to the page: a Python class beside the twin, and a script in the browser."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from drake_twin.cockpit.extensions import PageRegistry
+from drake_twin.dataclass import dataclass
 from drake_twin.twin.twin import Twin
 
 

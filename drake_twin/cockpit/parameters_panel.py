@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import yaml
 from drake_twin import messages
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import Lines, read_as
+from drake_twin.dataclass import dataclass
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.declared_parameters import DeclaredParameter
 from drake_twin.errors import InputError

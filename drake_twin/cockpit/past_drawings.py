@@ -7,10 +7,11 @@ packages.
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from weakref import WeakMethod
 
 from drake_twin.cockpit.scene import OVERLAYS, Commands, Scene
+from drake_twin.dataclass import dataclass
 from drake_twin.shared_viewer.meshcat_protocol import Command, delete
 
 _SECONDS = 60.0  # s of simulation time

@@ -3,9 +3,9 @@
 import json
 import typing
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.typed_data import Reader, ValuePath
 
 _LONGEST_TEXT = 1000

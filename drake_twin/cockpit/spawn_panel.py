@@ -5,7 +5,7 @@ import json
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from drake_twin.cockpit.robot_box import RobotBox
 from drake_twin.cockpit.robot_files import robot_files
 from drake_twin.cockpit.robot_picture import RobotPicture
 from drake_twin.cockpit.xacro_trial import XacroTrial
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.robot_model import is_xacro_text, read_robot_file

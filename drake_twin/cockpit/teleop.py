@@ -1,8 +1,8 @@
 """Driving a base by keyboard or gamepad: a command holds only while the browser repeats it."""
 
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.twin.twin import Twin
 

@@ -2,7 +2,6 @@
 
 from bisect import bisect_left, bisect_right
 from collections import deque
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.past_drawings import PastDrawings
 from drake_twin.cockpit.scene import Scene
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.shared_viewer.frame_sender import Frame
 from drake_twin.shared_viewer.shared_scene import SharedScene

@@ -8,7 +8,7 @@ import json
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import Lines, read_as
 from drake_twin.cockpit.snapshot import layout_key
 from drake_twin.cockpit.topic_form import empty_form, form_of
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.picture import dot_text, svg_of
 from drake_twin.errors import InputError, RunError
 from drake_twin.messages.interface_types import make

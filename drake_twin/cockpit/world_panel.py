@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from drake_twin.cockpit.inspector import details, pose_of
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import read_as
 from drake_twin.cockpit.world_tree import Node, every_node, world_tree
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Vector3
 from drake_twin.diagram.footprint import footprint
 from drake_twin.errors import InputError

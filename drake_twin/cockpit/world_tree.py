@@ -1,11 +1,12 @@
 """The world as a tree: robots with their links, joints and sensors, the models of the world, its lights."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from pydrake.geometry import Role
 from pydrake.multibody.tree import ModelInstanceIndex
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name, urdf_link_name
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.world_file import WorldModel

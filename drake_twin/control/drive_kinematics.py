@@ -1,7 +1,8 @@
 """Forward and inverse kinematics of wheeled bases."""
 
-from dataclasses import dataclass
 from math import atan, atan2, cos, fsum, inf, pi, sin, tan
+
+from drake_twin.dataclass import dataclass
 
 Twist = tuple[float, float, float]
 

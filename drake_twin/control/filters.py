@@ -4,7 +4,6 @@ A filter is immutable: it takes what it kept of the sample before, ``()`` before
 keeps of this one.
 """
 
-from dataclasses import dataclass
 from math import fsum
 from typing import Protocol
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
 from drake_twin.control.speed_limiter import SpeedLimiter
+from drake_twin.dataclass import dataclass
 
 FilterMemory = tuple[float, ...]
 

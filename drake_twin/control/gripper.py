@@ -1,7 +1,8 @@
 """The state of a gripper's goal: reached, stalled or still executing."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 

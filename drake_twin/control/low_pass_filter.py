@@ -1,10 +1,10 @@
 """The low-pass filter of control_toolbox."""
 
-from dataclasses import dataclass
 from math import exp, pi
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 

@@ -1,8 +1,9 @@
 """The PID law of control_toolbox, with its limits and its strategies against integral wind-up."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import inf, isfinite, isnan, nan, sqrt
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.saved import saved
 

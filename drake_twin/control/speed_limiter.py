@@ -1,7 +1,8 @@
 """Limits of velocity, acceleration and jerk on a commanded speed."""
 
-from dataclasses import dataclass
 from math import isnan, nan
+
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """How far joints may be from their trajectory, as in joint_trajectory_controller."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from drake_twin.control.trajectory import TrajectoryPoint
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
 

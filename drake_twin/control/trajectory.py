@@ -2,11 +2,12 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan, pi
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 INTERPOLATION_METHODS = ("splines", "none")

@@ -1,10 +1,10 @@
 """The checks of a trajectory before joint_trajectory_controller accepts it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite, nan
 
 from drake_twin.control.trajectory import Trajectory, TrajectoryPoint
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import CommandError
 
 _FIELDS = ("positions", "velocities", "accelerations", "effort")

@@ -1,7 +1,8 @@
 """The limits of tricycle_controller: one number for both directions, on its wheel and on its steering angle."""
 
-from dataclasses import dataclass
 from math import isnan, nan
+
+from drake_twin.dataclass import dataclass
 
 _NO_MAXIMUM = 1000.0  # upstream's stand-in for a maximum when only the minimum is given
 

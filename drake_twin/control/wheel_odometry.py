@@ -1,8 +1,9 @@
 """Odometry from the motion of wheels."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import cos, fsum, sin
 
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 _SHORTEST_INTERVAL = 1e-4  # s; as upstream: no speed is estimated over less

@@ -1,11 +1,12 @@
 """Steering of a base with two driven and two steered wheels, like a car."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 from drake_twin.control.drive_kinematics import SteeringDrive
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,6 @@
 """Admittance control: joints give way to a wrench as a mass on a spring does, as in ros2_controllers."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import isnan, nan
 from typing import Any, ClassVar
 
@@ -17,6 +17,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved

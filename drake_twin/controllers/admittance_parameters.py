@@ -1,12 +1,13 @@
 """Parameters of admittance_controller (Jazzy)."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from drake_twin.controllers.admittance_rule import AdmittanceRule
 from drake_twin.controllers.chain_kinematics import ChainKinematics
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 
 _INTERFACES = {"choices": ("position", "velocity", "acceleration")}

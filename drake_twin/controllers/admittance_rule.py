@@ -1,11 +1,10 @@
 """The control law of admittance_controller: a mass, a damper and a spring between a reference and a measured wrench."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.controllers.chain_kinematics import ChainKinematics
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 _ZERO = (0.0,) * 6

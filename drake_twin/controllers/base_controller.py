@@ -1,7 +1,7 @@
 """The base of all controllers: what they are built from, their claims and their ports."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -10,6 +10,7 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.older_accessors import with_older_accessors
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter

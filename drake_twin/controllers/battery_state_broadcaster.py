@@ -1,7 +1,7 @@
 """The states of batteries as messages, as ros2_controllers' battery_state_broadcaster publishes them."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from math import fsum, isfinite, isnan, nan
 from typing import Any, ClassVar
 
@@ -12,6 +12,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 
 _TECHNOLOGY = {"lower": 0, "upper": 8}

@@ -1,7 +1,7 @@
 """Filtered state interfaces, as ros2_controllers' chained_filter_controller exports them."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from math import isfinite, isnan, nan
 from typing import ClassVar
 
@@ -15,6 +15,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.saved import saved

@@ -1,6 +1,6 @@
 """A model that is fixed to a link until a message detaches it, as by gz-sim's DetachableJoint."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -10,6 +10,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import DETACHABLE_JOINT
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.frozen import Frozen

@@ -1,6 +1,6 @@
 """What controllers and their manager do otherwise than ROS 2 Jazzy on purpose; the rows of a table in the docs."""
 
-from dataclasses import dataclass
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True)

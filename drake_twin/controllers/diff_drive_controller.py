@@ -1,6 +1,6 @@
 """Differential drive: a base with driven wheels on its left and right side."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import fsum
 from typing import Any, ClassVar
 
@@ -21,6 +21,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.speed_limits import LimitsX, LimitsZ, zero_jerk_limits
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value

@@ -1,7 +1,7 @@
 """The base of the controllers of wheeled bases: a commanded twist in, odometry and its transform out."""
 
 from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import cos, isfinite, isinf, isnan, nan, sin
 from typing import Any
 
@@ -13,6 +13,7 @@ from drake_twin import messages
 from drake_twin.control.wheel_odometry import WheelOdometry
 from drake_twin.controllers.odometry_frames import TF_ODOMETRY, odometry_frames
 from drake_twin.controllers.periodic_controller import PeriodicController
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.kinematics.rotations import along_heading, heading_of

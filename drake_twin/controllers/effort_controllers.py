@@ -1,7 +1,7 @@
 """The controllers of ROS 2's package effort_controllers."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isfinite
 from typing import ClassVar
 
@@ -13,6 +13,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.gripper_action_controller import GripperActionController, GripperActionParameters
 from drake_twin.controllers.joint_group_controller import JointGroupController
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 
 
 @controller("effort_controllers/JointGroupEffortController")

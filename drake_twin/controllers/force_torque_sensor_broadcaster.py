@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +13,7 @@ from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError, described
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly

@@ -1,6 +1,6 @@
 """Joint commands from a topic, as ros2_controllers' forward command controllers write them."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isfinite, nan
 from typing import Any, ClassVar
 
@@ -10,6 +10,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.systems.no_message import NO_MESSAGE

@@ -1,7 +1,6 @@
 """The state of an action's goal."""
 
-from dataclasses import dataclass
-
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 # Metadata of the parameter action_monitor_rate.

@@ -1,7 +1,7 @@
 """Commands to and states of GPIOs, as ros2_controllers' gpio_controllers write and publish them."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isinf, nan
 from typing import Any, ClassVar
 
@@ -12,6 +12,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError

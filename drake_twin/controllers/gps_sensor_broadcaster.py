@@ -1,6 +1,6 @@
 """A GPS's values as messages, as ros2_controllers' gps_sensor_broadcaster publishes them."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isnan
 from typing import Any, ClassVar
 
@@ -12,6 +12,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import check_covariances
+from drake_twin.dataclass import dataclass
 
 _INTERFACES = ("status", "service", "latitude", "longitude", "altitude")
 _COVARIANCES = ("latitude_covariance", "longitude_covariance", "altitude_covariance")

@@ -1,6 +1,6 @@
 """Grippers with one joint, as ros2_controllers' gripper action controllers command them."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import isfinite
 from typing import Any, ClassVar
 
@@ -14,6 +14,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE, GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved

@@ -1,6 +1,6 @@
 """An IMU's values as messages, as ros2_controllers' imu_sensor_broadcaster publishes them."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,6 +10,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster, check_covariances
+from drake_twin.dataclass import dataclass
 
 _UNKNOWN_SPREAD = (0.0,) * 9
 _INTERFACES = (

@@ -1,10 +1,10 @@
 """Forward command controllers that are named after their interface."""
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from drake_twin.controllers.forward_command_controller import CommandTimeoutParameters, ForwardCommandController
 from drake_twin.controllers.interface import Interface
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 
 

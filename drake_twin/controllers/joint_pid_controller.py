@@ -1,6 +1,6 @@
 """The joint controllers of gz-sim whose PID has an integral part."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import nan
 from typing import ClassVar
 
@@ -11,6 +11,7 @@ from drake_twin.controllers.forward_command_controller import NumbersForClaims
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import JOINT_PID
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.frozen import Frozen

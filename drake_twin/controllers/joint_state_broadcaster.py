@@ -1,7 +1,7 @@
 """A robot's joint states as messages, as ros2_controllers' joint_state_broadcaster publishes them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -12,6 +12,7 @@ from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPor
 from drake_twin import messages
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import set_value

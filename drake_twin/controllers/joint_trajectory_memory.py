@@ -1,11 +1,10 @@
 """The memory of a joint trajectory controller, as frozen values."""
 
-from dataclasses import dataclass
-
 from drake_twin.control.pid import PidMemory
 from drake_twin.control.tolerances import Tolerances
 from drake_twin.control.trajectory import RunningTrajectory, Trajectory, TrajectoryPoint
 from drake_twin.controllers.goal_state import GoalState
+from drake_twin.dataclass import dataclass
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 

@@ -1,13 +1,14 @@
 """Parameters of joint_trajectory_controller (Jazzy) and their valid combinations."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import inf, isfinite
 from typing import ClassVar
 
 from drake_twin.control.pid import PidGains
 from drake_twin.control.trajectory import INTERPOLATION_METHODS
 from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 
 

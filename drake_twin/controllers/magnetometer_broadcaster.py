@@ -1,6 +1,6 @@
 """A magnetometer's values as messages, as ros2_controllers' magnetometer_broadcaster publishes them."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import check_covariances
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Mecanum drive: a base with four mecanum wheels that moves in any direction."""
 
 from collections.abc import Container
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import isnan
 from typing import Any, ClassVar
 
@@ -22,6 +22,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.speed_limits import LimitsXY, LimitsZ, zero_jerk_limits
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value

@@ -1,6 +1,6 @@
 """A robot's true pose and velocity as odometry, as gz-sim's OdometryPublisher publishes them."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,6 +15,7 @@ from drake_twin.controllers.odometry_frames import odometry_frames
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import transform_message
 from drake_twin.controllers.truth_broadcaster import TruthBroadcaster
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER
 from drake_twin.description.parameters import ParameterError

@@ -1,6 +1,6 @@
 """Omnidirectional drive: a base with three or more omni wheels on a circle that moves in any direction."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
@@ -11,6 +11,7 @@ from drake_twin.controllers.drive_controller import DriveController, DriveMemory
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 

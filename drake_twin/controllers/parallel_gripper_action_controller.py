@@ -1,6 +1,6 @@
 """The controller of ROS 2's package parallel_gripper_controller."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import nan
 from typing import Any, ClassVar
 
@@ -13,6 +13,7 @@ from drake_twin.control.pid import PidMemory
 from drake_twin.controllers.gripper_action_controller import GripperActionController, GripperActionParameters
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 

@@ -1,7 +1,7 @@
 """The base of controllers that are updated at their own rate, as in the controller manager's loop."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isnan
 from typing import Any
 
@@ -12,6 +12,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.position_reach import PositionReach
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import TwinError, described
 from drake_twin.systems.weak_callback import weakly
 

@@ -1,7 +1,7 @@
 """PID control of each degree of freedom, as in ros2_controllers' pid_controller."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isfinite, nan, pi
 from typing import Any, ClassVar
 
@@ -14,6 +14,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.saved import saved

@@ -1,6 +1,6 @@
 """A base without driven wheels that follows a commanded planar twist, as in Gazebo's planar_move plugin."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import cos, nan, sin
 from typing import Any, ClassVar
 
@@ -11,6 +11,7 @@ from drake_twin.controllers.drive_controller import DriveController, DriveMemory
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import PLANAR_INTERFACES
 from drake_twin.description.planar_joints import ANGULAR_Z
 from drake_twin.description.robot_description import RobotDescription

@@ -1,6 +1,6 @@
 """The pose of a link as messages and as a transform, as ros2_controllers' pose_broadcaster publishes it."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import fsum, isfinite
 from typing import Any, ClassVar
 
@@ -13,6 +13,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import transform_message
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.sensors.pose_sensor import MeasuredPose, PoseSensor
 

@@ -1,6 +1,5 @@
 """The poses of a model and of its links, as gz-sim's PosePublisher publishes them."""
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -12,6 +11,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import transform_message
 from drake_twin.controllers.truth_broadcaster import TruthBroadcaster
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import POSE_PUBLISHER
 from drake_twin.description.robot_description import RobotDescription

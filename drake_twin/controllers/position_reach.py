@@ -1,8 +1,9 @@
 """The distance from its joint that a commanded position may have."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import copysign, expm1, isnan
+
+from drake_twin.dataclass import dataclass
 
 # The lowest average speed of a joint that moves to a far position, relative to its velocity limit.
 _LEAST_MEAN = 0.95

@@ -1,6 +1,6 @@
 """A range sensor's value as messages, as ros2_controllers' range_sensor_broadcaster publishes it."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
@@ -9,6 +9,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """A base on wheels with friction in one direction each, which moves as these wheels roll."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.planar_move_controller import along_start
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import PLANAR_INTERFACES, ROLLER_WHEELS
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription

@@ -1,11 +1,12 @@
 """Limits of a commanded speed, as parameters of drives."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from math import nan
 from typing import Any
 
 from drake_twin.control.speed_limiter import SpeedLimiter
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 
 _AT_LEAST_ZERO = {"lower": 0.0}

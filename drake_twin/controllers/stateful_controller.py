@@ -1,7 +1,7 @@
 """The base of controllers with a memory."""
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan, nan
 from typing import Any
 
@@ -10,6 +10,7 @@ from pydrake.systems.framework import AbstractStateIndex, Context, EventStatus, 
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
+from drake_twin.dataclass import dataclass
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.no_message import empty_value, set_value

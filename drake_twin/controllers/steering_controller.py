@@ -1,7 +1,7 @@
 """The base of the controllers of bases with steered wheels."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import copysign, inf, isnan, nan, tan
 from typing import Any, ClassVar
 
@@ -16,6 +16,7 @@ from drake_twin.controllers.drive_controller import DriveController, DriveMemory
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.speed_limits import LimitsX, LimitsZ, zero_jerk_limits
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value

@@ -1,6 +1,6 @@
 """A base with one front wheel that is driven and steered."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import cos, nan, pi
 from typing import Any, ClassVar
 
@@ -20,6 +20,7 @@ from drake_twin.controllers.drive_controller import (
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value

@@ -1,6 +1,5 @@
 """Efforts from a vector port, for controllers that are Drake systems of the user's own."""
 
-from dataclasses import dataclass
 from math import nan
 from typing import ClassVar
 
@@ -10,6 +9,7 @@ from pydrake.systems.framework import BasicVector, Context
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 
 

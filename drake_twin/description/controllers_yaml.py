@@ -2,10 +2,11 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.source_file import check_regular, file_text
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError, did_you_mean

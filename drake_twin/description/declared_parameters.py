@@ -13,11 +13,11 @@ import re
 import sys
 import typing
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.parameters import parameter_names
 from drake_twin.messages.parameter_value import NOT_SET, type_of
 from drake_twin.typed_data import field_types, is_required

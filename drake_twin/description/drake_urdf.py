@@ -7,23 +7,15 @@ Each rule is one function on the XML tree, applied in order by `prepare_urdf`. T
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 from copy import deepcopy
-from dataclasses import dataclass
 from math import isfinite, pi
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
 from drake_twin.description.link_surface import LinkSurface
-from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
-from drake_twin.description.meshes import (
-    Primitive,
-    collision_mesh,
-    collision_pieces,
-    mesh_address,
-    mesh_primitive,
-    visual_mesh,
-)
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose, RobotDescription
 from drake_twin.description.sdf_document import free_name, numbers_in
@@ -31,6 +23,9 @@ from drake_twin.description.used_elements import is_known, weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Cause, Finding, Kind, Weight, merged
+
+if TYPE_CHECKING:
+    from drake_twin.description.meshes import Primitive
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
 # would be spawned inside the first.
@@ -209,13 +204,19 @@ def _resolve_meshes(
     A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
     of another machine is searched in the packages that its folders are named after.
     """
+    shapes = [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]
+    if not any(shape.find("geometry/mesh") is not None for shape in shapes):
+        return []
+    from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
+    from drake_twin.description.meshes import mesh_address, visual_mesh
+
     findings: list[Finding] = []
     colliding: dict[Path, None] = {}
 
     def mended(what: str, mesh: etree._Element, rule: str) -> None:
         findings.append(Finding.at(Kind.MENDED, what, reader.place(mesh), rule, weight=weight_of(mesh)))
 
-    for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
+    for shape in shapes:
         for mesh in shape.findall("geometry/mesh"):
             address = reader.text(mesh, "filename")
             try:
@@ -262,6 +263,8 @@ def _find_mesh(address: str, packages: PackageIndex, near: Path | None, look_els
 def _give_collision_shape(
     reader: XmlReader, shape: etree._Element, mesh: etree._Element, file: Path, collision: str
 ) -> None:
+    from drake_twin.description.meshes import collision_mesh, collision_pieces, mesh_address, mesh_primitive
+
     pieces = collision_pieces(file) if collision == "decomposition" else ()
     primitive = mesh_primitive(file, reader.vector3(mesh, "scale", (1.0, 1.0, 1.0)))
     link = shape.getparent()
@@ -279,7 +282,9 @@ def _give_collision_shape(
         mesh.set("filename", mesh_address(collision_mesh(file)))
 
 
-def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree._Element, primitive: Primitive) -> None:
+def _replace_by_primitive(
+    reader: XmlReader, shape: etree._Element, mesh: etree._Element, primitive: "Primitive"
+) -> None:
     import numpy as np
     from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 

@@ -18,9 +18,10 @@ in a module that a program imports, or that the entry-point group ``drake_twin.g
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, TypeAlias
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, ros_topic
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y

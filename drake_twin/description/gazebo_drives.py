@@ -17,7 +17,7 @@ from drake_twin.description.gazebo_drive import (
     DrivePlugin,
     GazeboDrive,
 )
-from drake_twin.description.gazebo_plugins import plugin_kind, plugin_node_name
+from drake_twin.description.gazebo_plugins import is_ros2_control, plugin_kind, plugin_node_name
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 from drake_twin.description.roller_wheels import roller_wheels
 from drake_twin.errors import TwinError, described
@@ -27,7 +27,7 @@ _ROS2_CONTROL = ("gz_ros2_control-system", "libgz_ros2_control-system.so", "libg
 
 def is_drive(plugin: GazeboPlugin) -> bool:
     """Tell whether a plugin is of a kind that becomes a controller."""
-    return plugin_kind(plugin) in GAZEBO_PLUGINS
+    return not is_ros2_control(plugin) and plugin_kind(plugin) in GAZEBO_PLUGINS
 
 
 def known_libraries() -> list[str]:

@@ -1,10 +1,11 @@
 """The convex hull of a mesh, with few corners: Drake's hydroelastic contact takes 0.03 ms to prepare a corner."""
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from pydrake.geometry import PolygonSurfaceMesh
+
+from drake_twin.dataclass import dataclass
 
 _MOST_CORNERS = 64
 _MANY_CORNERS = 10_000  # of which a hull is computed in a second

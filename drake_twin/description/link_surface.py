@@ -1,10 +1,11 @@
 """The surfaces that ``<gazebo reference="link">`` gives shapes of a URDF's links, and which links of SDF collide."""
 
 from collections import defaultdict
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions, link_families
 from drake_twin.description.gazebo_tag import is_yes, text_or_value
 from drake_twin.description.xml_reader import XmlReader

@@ -24,7 +24,6 @@ _T = TypeVar("_T")
 _CONVERSION = str(MESHES.version)
 
 _MOST_BYTES = 2 * 1024**3
-_TRIMMED_TO = 3 * _MOST_BYTES // 4
 
 
 def mesh_cache_folder() -> Path:
@@ -122,7 +121,7 @@ def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
         write_whole(target, content)
         _seal(target).parent.mkdir(exist_ok=True)
         write_whole(_seal(target), hashlib.sha256(content).hexdigest())
-        _trim(folder)
+        trim(folder, _MOST_BYTES)
         return target
 
     return in_cache("meshes", keep)
@@ -236,17 +235,17 @@ def _files_beside(source: Path, content: bytes, known: frozenset[Path] = frozens
                     yield from _files_beside(beside, beside.read_bytes(), known | {source, beside})
 
 
-def _trim(folder: Path) -> None:
-    """Remove the files that were used longest ago once the cache is larger than its bound."""
+def trim(folder: Path, most: int) -> None:
+    """Remove the files that were used longest ago from a folder with more than so many bytes, to three quarters."""
     files = []
     for entry in os.scandir(folder):
         with contextlib.suppress(OSError):  # another process may be trimming too
             files.append((entry.stat().st_mtime_ns, entry.stat().st_size, entry.path))
     total = sum(size for _, size, _ in files)
-    if total <= _MOST_BYTES:
+    if total <= most:
         return
     for _, size, path in sorted(files):
-        if total <= _TRIMMED_TO:
+        if total <= 3 * most // 4:
             return
         with contextlib.suppress(OSError):
             os.unlink(path)

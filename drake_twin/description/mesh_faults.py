@@ -1,9 +1,10 @@
 """What is wrong with the triangles of a mesh."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
+
+from drake_twin.dataclass import dataclass
 
 _SAME = 2.0**-20  # corners closer than this part of the mesh's size are one
 _NO_AREA = 1e-12  # of a triangle, relative to the size squared

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from drake_twin.description.mesh_cache import cached, source_of
-from drake_twin.description.meshes import HULL, read_triangles
 
 _SCALED = " scaled by "
 
@@ -44,6 +43,8 @@ def hulled_triangles(hull: Path) -> tuple[np.ndarray, np.ndarray] | None:
     Raises:
         InputError: As `mesh_triangles`.
     """
+    from drake_twin.description.meshes import HULL
+
     source = source_of(hull) if hull.name.endswith(HULL) else None
     if source is None:
         return None
@@ -52,6 +53,8 @@ def hulled_triangles(hull: Path) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _read_hulled(file: Path) -> bytes:
+    from drake_twin.description.meshes import read_triangles
+
     mesh = read_triangles(file)
     return _packed(np.asarray(mesh.vertices), np.asarray(mesh.faces))
 

@@ -4,13 +4,14 @@ import base64
 import json
 import re
 import struct
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.coarse_mesh import coarser
 from drake_twin.description.creased_normals import creased_normals
 from drake_twin.description.hull import hull_of

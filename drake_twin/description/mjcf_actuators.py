@@ -1,11 +1,11 @@
 """Actuators and joints of an MJCF robot as MuJoCo drives them: motors, servos, armature, dry friction and springs."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from math import inf, radians
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.mjcf_defaults import MjcfDefaults
 from drake_twin.description.robot_description import (
     MUJOCO,

@@ -5,10 +5,10 @@ the scripts of an installed package.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.python_modules import python_modules, source_of
 from drake_twin.description.setup_expressions import read_setup_cfg, read_setup_py

@@ -4,12 +4,13 @@ Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.link_surface import LinkSurface
 from drake_twin.findings import Place
 
@@ -20,8 +21,7 @@ Vector3 = tuple[float, float, float]
 
 MOVABLE_JOINT_TYPES = ("revolute", "continuous", "prismatic")
 
-# SDF's: they move, but one position does not say where the child link is.
-POSED_JOINT_TYPES = ("ball", "universal", "screw")
+POSED_JOINT_TYPES = ("ball", "universal", "screw")  # SDF's: one position does not say where the child link is
 
 
 @dataclass(frozen=True)

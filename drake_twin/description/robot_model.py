@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_plugins import read_plugins

@@ -6,11 +6,11 @@ along the wheel's own axle.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.link_surface import SURFACE_FRICTION
 from drake_twin.description.robot_description import Joint, RobotDescription

@@ -3,11 +3,11 @@
 import contextlib
 from collections.abc import Iterator
 from copy import deepcopy
-from dataclasses import dataclass
 from pathlib import Path
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.frame_in_model import frame_in_model
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import Pose

@@ -18,7 +18,6 @@ from lxml import etree
 
 from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.mesh_cache import in_cache
-from drake_twin.description.setup_py import setup_installs
 from drake_twin.description.source_file import file_bytes
 
 # Folders that packages usually install to the top of their share folder.
@@ -92,6 +91,8 @@ def _installs(package: Path) -> Iterator[tuple[str, Path]]:
     if (package / "CMakeLists.txt").is_file():
         yield from cmake_installs(package, name)
     if (package / "setup.py").is_file() or (package / "setup.cfg").is_file():
+        from drake_twin.description.setup_py import setup_installs
+
         yield from setup_installs(package, name)
     elif not (package / "CMakeLists.txt").is_file():
         # Without build files (a collection of data files, say) the usual folders go to the top.

@@ -8,13 +8,13 @@ the mesh, where the slab of that side begins: a table top of 5 mm is 5 mm thick,
 import io
 import json
 from collections import defaultdict
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.coarse_mesh import coarser, merged
 from drake_twin.description.mesh_cache import cached
 from drake_twin.description.meshes import read_triangles, with_thickness

@@ -1,11 +1,12 @@
 """What the sensors of a world measure beside its models: where on Earth it is, its magnetic field, its lights."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError

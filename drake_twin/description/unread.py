@@ -11,9 +11,6 @@ from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sdf_defaults import asks_for_nothing
-from drake_twin.description.sdf_document import number_in
-from drake_twin.description.sdf_model import KEPT
-from drake_twin.description.sdf_values import wrong_numbers
 from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.used_elements import (
     DRAKE,
@@ -67,6 +64,9 @@ def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
     What SDF knows and the twin does not use there has no finding of this kind: `drake_twin.description.sdf_model`
     reports what affects the motion.
     """
+    from drake_twin.description.sdf_document import number_in
+    from drake_twin.description.sdf_model import KEPT
+
     for each in model.iter("model"):
         for element, thing, common in _unread(each, SDF_MODEL):
             above = element.getparent()
@@ -81,6 +81,8 @@ def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
 
 def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:
     """Report what of a world is not SDF: flags, numbers, and elements of its lights, physics and place on Earth."""
+    from drake_twin.description.sdf_values import wrong_numbers
+
     parts = {"light": SDF_LIGHT, "physics": SDF_PHYSICS, "spherical_coordinates": SDF_SPHERICAL}
     found = ((element, part) for tag, part in parts.items() for element in world.iterfind(tag))
     unread = (each for element, part in found for each in _unread(element, part))

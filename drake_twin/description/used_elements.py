@@ -1,10 +1,11 @@
 """The elements and attributes of URDF and SDF that the twin uses; everything else in a file is reported as ignored."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.findings import Weight
 
 DRAKE = "{http://drake.mit.edu}"  # the namespace of what Drake's parser reads itself

@@ -7,12 +7,13 @@ model that cannot be found. Poses are in the world frame.
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
 from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
 from drake_twin.description.package_index import PackageIndex

@@ -12,17 +12,17 @@ import sysconfig
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 from xml.parsers.expat import ExpatError
 
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.source_file import file_bytes
-from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
-from drake_twin.description.xacro_surroundings import Answers, XacroSurroundings
+from drake_twin.description.xacro_cache import Answers, Expanded, keep_expansion, kept_expansion
+from drake_twin.description.xacro_surroundings import XacroSurroundings
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.progress import tell
@@ -40,29 +40,14 @@ _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
 
 
-class Expanded(NamedTuple):
-    """The result of expanding a file.
-
-    Attributes:
-        text: The expanded XML.
-        places: Where each of its elements was written, in the order of the document.
-        warnings: Xacro's warnings.
-    """
-
-    text: str
-    places: tuple[Place, ...]
-    warnings: tuple[str, ...]
-
-
-# The folder in which a file with arguments was expanded → what that asked of its surroundings, and its result.
-_known_expansions: dict[tuple[str, str, str], tuple[Answers, Expanded]] = {}
+# What was expanded, in which folder and by which xacro → what that asked of its surroundings, and its result.
+_known_expansions: dict[tuple[str, ...], tuple[Answers, Expanded]] = {}
 
 
 def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageIndex) -> Expanded:
     """Expand a xacro file to URDF text, as the ``xacro`` command does.
 
-    The same command is expanded once in a process, unless a file, a package or an environment variable that it read has
-    changed.
+    The same command is expanded once, unless a file, a package or an environment variable that it read has changed.
 
     Args:
         file: The xacro file.
@@ -72,19 +57,22 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     Raises:
         InputError: If xacro refuses the file; the text holds xacro's reason and its chain of files.
     """
-    key = (os.getcwd(), str(file), repr(sorted(arguments.items())))
+    command = (os.getcwd(), str(file), repr(sorted(arguments.items())), _version_of_xacro())
     with _XACRO_LOCK:
         surroundings = XacroSurroundings(packages, file)
-        answers, expanded = _known_expansions.get(key, ({}, None))
+        answers, expanded = _known_expansions.get(command) or kept_expansion(command) or ({}, None)
         if expanded is None or not surroundings.confirm(answers):
             surroundings = XacroSurroundings(packages, file)
             expanded = _expand(file, arguments, surroundings)
-        _remember(_known_expansions, key, (surroundings.answers, expanded))
+            keep_expansion(command, surroundings.answers, expanded)
+        _remember(_known_expansions, command, (surroundings.answers, expanded))
     _remember(_known_places, _digest(expanded.text), expanded.places)
     return expanded
 
 
 def _expand(file: Path, arguments: Mapping[str, str], surroundings: XacroSurroundings) -> Expanded:
+    from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
+
     xacro = installed_xacro()
     tell(f"expanding {file.name}")
     with contextlib.redirect_stderr(io.StringIO()) as printed:
@@ -128,12 +116,10 @@ def _digest(text: str) -> bytes:
 
 def installed_xacro() -> Any:
     """Return the xacro that was installed with the twin, also if another one is on the path (of a sourced ROS, say)."""
-    paths = sysconfig.get_paths()
-    folders = list(dict.fromkeys((paths["purelib"], paths["platlib"])))
     known = sys.modules.get("xacro")
-    if known is not None and str(known.__file__).startswith(tuple(folders)):
+    if known is not None and str(known.__file__).startswith(_folders_of_packages()):
         return known
-    spec = importlib.machinery.PathFinder.find_spec("xacro", folders)
+    spec = _spec_of_xacro()
     if spec is None or spec.loader is None:  # installed elsewhere, in a user's own folder say
         return importlib.import_module("xacro")
     for name in [name for name in sys.modules if name.partition(".")[0] == "xacro"]:
@@ -142,6 +128,26 @@ def installed_xacro() -> Any:
     sys.modules["xacro"] = module
     spec.loader.exec_module(module)
     return module
+
+
+@cache
+def _folders_of_packages() -> tuple[str, ...]:
+    paths = sysconfig.get_paths()
+    return tuple(dict.fromkeys((paths["purelib"], paths["platlib"])))
+
+
+def _spec_of_xacro() -> importlib.machinery.ModuleSpec | None:
+    return importlib.machinery.PathFinder.find_spec("xacro", _folders_of_packages())
+
+
+@cache
+def _version_of_xacro() -> str:
+    """Return what another xacro differs in, without importing it."""
+    spec = _spec_of_xacro() or importlib.util.find_spec("xacro")
+    if spec is None or spec.origin is None:
+        return ""
+    status = os.stat(spec.origin)
+    return f"{spec.origin} {status.st_size} {status.st_mtime_ns}"
 
 
 def xacro_arguments(file: Path, packages: PackageIndex) -> dict[str, str]:

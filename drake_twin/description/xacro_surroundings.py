@@ -2,18 +2,17 @@
 
 import contextlib
 import glob
+import hashlib
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.source_file import file_bytes
+from drake_twin.description.xacro_cache import Answers
 from drake_twin.errors import InputError
-
-# A question by its kind and its words, and the answer to it.
-Answers = Mapping[tuple[str, tuple[str, ...]], Any]
 
 
 class XacroSurroundings:
@@ -79,7 +78,8 @@ class XacroSurroundings:
             substitution_args._eval_optenv, xacro.glob = optenv, glob
 
 
-def _content(name: str) -> bytes | None:
+def _content(name: str) -> str | None:
+    """Return a digest of a file's content; None if there is no file."""
     with contextlib.suppress(OSError):
-        return file_bytes(name)
+        return hashlib.sha256(file_bytes(name)).hexdigest()
     return None

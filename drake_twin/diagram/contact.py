@@ -7,13 +7,13 @@ is exact for them and cheaper. Loose shapes do both: see ``rims_and_corners``.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from pydrake.geometry import Role, SceneGraph, Shape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
 from drake_twin.diagram.contact_shapes import ContactShape, ShapeReader

@@ -1,10 +1,12 @@
 """The owners of shapes: robots and moving models of the world."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import ModelInstanceIndex
+
+from drake_twin.dataclass import dataclass
 
 
 @dataclass(frozen=True)

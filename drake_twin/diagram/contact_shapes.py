@@ -1,7 +1,6 @@
 """Collision shapes with the properties that decide on their contact."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 from math import fsum, inf, sqrt
 
@@ -23,6 +22,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.wheels import WheelFinder

@@ -8,7 +8,7 @@ levers; at 10 ms within 0.3 mm while both tumble at 2 rad/s (`pytest tests/diagr
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -16,6 +16,7 @@ from pydrake.multibody.plant import DistanceConstraintParams, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, MultibodyConstraintId, RigidBody
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import DETACHABLE_JOINT
 from drake_twin.description.robot_description import GazeboPlugin

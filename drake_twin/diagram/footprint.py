@@ -1,11 +1,12 @@
 """The space that a robot takes, and the height of its root link when it stands on the ground."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.geometry import QueryObject, Role
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.contact_shapes import reach_of
 from drake_twin.diagram.plant import add_plant
 from drake_twin.planning.robot_plan import RobotPlan

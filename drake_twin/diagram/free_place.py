@@ -1,13 +1,13 @@
 """A place for another robot: beside what is there, not in it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import ceil, cos, sin
 
 import numpy as np
 from pydrake.geometry import HalfSpace, QueryObject, Role
 from pydrake.math import RotationMatrix
 
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.contact_shapes import reach_of
 from drake_twin.diagram.footprint import Footprint
 

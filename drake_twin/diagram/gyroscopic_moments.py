@@ -13,7 +13,6 @@ has no such correction.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -27,8 +26,8 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.symbolic import Expression, Variable
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, System
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, Multiplexer, SymbolicVectorSystem
-from pydrake.systems.sensors import Gyroscope
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 
@@ -81,6 +80,8 @@ def add_gyroscopic_moments(builder: DiagramBuilder, plant: MultibodyPlant) -> It
 
 def _moments_of(plant: MultibodyPlant, bodies: Sequence[_LooseBody]) -> Diagram:
     """Return a system that takes the plant's poses and velocities, and outputs the moments as spatial forces."""
+    from pydrake.systems.sensors import Gyroscope
+
     builder, count = DiagramBuilder(), len(bodies)
     velocities = builder.AddNamedSystem("velocities", Multiplexer([3] * count + [count]))
     inertias = builder.AddNamedSystem("inertias", ConstantVectorSource(np.ones(count)))

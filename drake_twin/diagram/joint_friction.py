@@ -8,7 +8,6 @@ point.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import fsum, sqrt
 
 from pydrake.geometry import (
@@ -26,6 +25,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import Frame, Joint, PrismaticJoint, RevoluteJoint, RigidBody
 
+from drake_twin.dataclass import dataclass
 from drake_twin.scenario import LONGEST_STEP
 
 FRICTION_SUFFIX = "/friction"  # prefix of an actuator's name

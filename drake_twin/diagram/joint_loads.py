@@ -1,7 +1,6 @@
 """What a joint has to move and to bear over its range, which its servo's gains follow from."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import fsum, inf, pi, sqrt
 
 import numpy as np
@@ -9,6 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 

@@ -7,11 +7,12 @@ these. Gazebo does so with all links on fixed joints; what moves is the same.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from lxml import etree
 from pydrake.math import RigidTransform, RollPitchYaw
+
+from drake_twin.dataclass import dataclass
 
 # A link is light if it has less than this part of the mass of the links that it is fixed to, itself included.
 _LIGHT = 0.5

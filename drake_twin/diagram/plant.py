@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.geometry import SceneGraph
@@ -12,13 +12,12 @@ from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, Multibody
 from pydrake.multibody.tree import ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_drive import ROLLER_WHEELS
 from drake_twin.description.robot_description import Joint, Pose
-from drake_twin.description.sdf_values import with_place
-from drake_twin.description.world_file import WorldFile
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.contact import TouchingShape, give_contact
@@ -35,6 +34,9 @@ from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldFile
 
 # A sticking contact creeps at a fraction of this (m/s). With Drake's 1e-4 a box creeps 1.4 mm in 5 s at 0.95 of the
 # angle of friction.
@@ -88,7 +90,7 @@ def add_plant(
     builder: DiagramBuilder,
     scenario: Scenario,
     plans: Sequence[RobotPlan],
-    world_file: WorldFile | None = None,
+    world_file: "WorldFile | None" = None,
     known_gains: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
     *,
     sampled_output_ports: bool = False,
@@ -163,6 +165,8 @@ def _drakes_refusal(what: str, plan: RobotPlan | None = None) -> Iterator[None]:
             f"Drake refuses {what}: {reason_of(error)}", file=None if plan is None else plan.description.file
         )
         if plan is not None and plan.model.drake_format == "sdf":
+            from drake_twin.description.sdf_values import with_place
+
             refused = with_place(refused, XmlReader(plan.description.text, plan.description.file))
         raise refused from None
 

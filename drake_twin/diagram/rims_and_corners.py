@@ -15,13 +15,14 @@ The middle bears so much that both are the same.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from pydrake.geometry import Box, Convex, Cylinder, Ellipsoid, Shape, Sphere
 from pydrake.math import RigidTransform
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of, mean_distance, planes_of, sides_under
 from drake_twin.diagram.contact_shapes import DISSIPATION, POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, Part
 from drake_twin.diagram.round_hulls import RoundHull, round_hull

@@ -1,7 +1,7 @@
 """A robot's sub-diagram: its controllers, its sensors and its joint servo, connected to each other."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -12,6 +12,7 @@ from drake_twin.controllers.base_controller import Controller, ControllerSetup, 
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import TRUE_STATE, PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.diagram.measurement_delay import MeasurementDelay
 from drake_twin.diagram.plant import RobotInPlant

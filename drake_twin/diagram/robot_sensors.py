@@ -1,7 +1,8 @@
 """The sensors of a robot's sub-diagram, and the broadcasters that read them."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+from typing import TYPE_CHECKING
 
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
@@ -12,8 +13,8 @@ from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.dataclass import dataclass
 from drake_twin.description.surroundings import Surroundings
-from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import PlannedTopic, SensorPlan
@@ -23,6 +24,9 @@ from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldFile
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class SensorSurroundings:
     time_step: float = 1e-3
     seed: int = 0
     noise: bool = True
-    world: WorldFile | None = None
+    world: "WorldFile | None" = None
     renderer: LazyRenderer = field(default_factory=LazyRenderer)
 
 

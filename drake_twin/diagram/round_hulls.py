@@ -4,13 +4,13 @@ Such a body rolls on the longest straight part of its outline, a cone about its 
 it, as those of a cylinder do (see ``rims_and_corners``).
 """
 
-from dataclasses import dataclass
 from math import hypot, sqrt
 
 import numpy as np
 from pydrake.geometry import Convex, Ellipsoid
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 
 _ROUND = 2e-3  # relative to the hull's size: how far its corners are from circles about an axis

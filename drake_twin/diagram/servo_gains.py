@@ -5,7 +5,6 @@ never depend on another's. The command interface that drives a joint decides whi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
@@ -13,6 +12,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
 from drake_twin.diagram.joint_loads import JointLoad, joint_loads

@@ -6,9 +6,10 @@ Such shapes cost nothing in a step, while each link that is welded to the world 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from lxml import etree
@@ -28,13 +29,13 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 
-from drake_twin.description.mesh_findings import said_of_solids
+from drake_twin.dataclass import dataclass
 from drake_twin.description.model_frames import model_frames
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.sdf_shapes import plane_normal, plane_size, turned_to
-from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
-from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldModel
 
 GROUND = "ground"  # the name of the shape of a world without a file
 
@@ -78,7 +79,7 @@ def ground_shape(friction: float) -> StaticShape:
     return StaticShape(GROUND, HalfSpace(), RigidTransform(), friction=CoulombFriction(friction, friction))
 
 
-def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list[StaticShape]:
+def static_shapes(model: "WorldModel", detail: float, warnings: list[str]) -> list[StaticShape]:
     """Return the shapes of a static model.
 
     Drake's parser determines their poses; planes and meshes, which it would read differently, are replaced by stand-ins
@@ -101,7 +102,7 @@ def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list
     return list(_shapes(plant, scene_graph.model_inspector(), stand_ins))
 
 
-def anchors_of(model: WorldModel) -> dict[str, dict[str, RigidTransform]]:
+def anchors_of(model: "WorldModel") -> dict[str, dict[str, RigidTransform]]:
     """Return the poses in the world of the frames of a static model, and of those in it, that have sensors.
 
     Raises:
@@ -111,8 +112,10 @@ def anchors_of(model: WorldModel) -> dict[str, dict[str, RigidTransform]]:
     return {each.name: frames[each.name] for each in model.sensing}
 
 
-def bearable_detail(models: Sequence[WorldModel]) -> float:
+def bearable_detail(models: "Sequence[WorldModel]") -> float:
     """Return the finest detail of static meshes (m) that does not give the plant too many solids."""
+    from drake_twin.description.solid_mesh import solid_mesh
+
     meshes: Counter[tuple[str, Vector3]] = Counter()
     for model in models:
         if model.is_static:
@@ -193,6 +196,8 @@ class _StandIn:
             if X.rotation().matrix()[2, 2] > _GROUND_FACES:
                 yield HalfSpace(), X
             else:
+                from drake_twin.description.solid_mesh import THICKNESS
+
                 yield Box(*self.size, THICKNESS), X @ RigidTransform(np.array([0.0, 0.0, -THICKNESS / 2]))
 
 
@@ -231,6 +236,10 @@ def _shapes(
 
 def _put_stand_ins(root: etree._Element, detail: float, warnings: list[str]) -> dict[str, _StandIn]:
     """Replace planes and meshes by small spheres; return the shapes behind each, by its new name."""
+    from drake_twin.description.mesh_findings import said_of_solids
+    from drake_twin.description.sdf_shapes import plane_normal, plane_size, turned_to
+    from drake_twin.description.solid_mesh import solid_mesh
+
     found: dict[str, _StandIn] = {}
     for collision in [*root.iter("collision")]:
         plane, mesh = collision.find("geometry/plane"), collision.find("geometry/mesh")

@@ -7,7 +7,7 @@ all of them sink in alike, and land alike.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from math import fsum
 
@@ -18,6 +18,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, PrismaticJoint, RevoluteJoint, RigidBody, WeldJoint
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_material import usual_stiffness
 from drake_twin.diagram.contact_models import ContactModel

@@ -5,12 +5,13 @@ topic's name with ``@ROBOT/CONTROLLER`` after it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, count
 from typing import Any
 
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.messages.draft import Draft
 from drake_twin.systems.plant_reading import Reading

@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
@@ -16,9 +16,9 @@ from pydrake.systems.framework import (
     System,
 )
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.frames import add_frames, colliding_transforms, publish_frames
@@ -43,6 +43,9 @@ from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldFile
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ class TwinDiagram:
     visualizer: MeshcatVisualizer | None
     engine: str
     world: World
-    world_file: WorldFile | None
+    world_file: "WorldFile | None"
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     sensing_models: tuple[ModelPlan, ...]
     shapes: tuple[TouchingShape, ...]
@@ -212,7 +215,7 @@ def _build(
     meshcat: Meshcat | None,
     parts: PlantOfTwin,
     plans: tuple[RobotPlan, ...],
-    world_file: WorldFile | None,
+    world_file: "WorldFile | None",
     extensions: Sequence[Extension],
     renderer: LazyRenderer,
 ) -> TwinDiagram:

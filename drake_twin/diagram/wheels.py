@@ -10,7 +10,6 @@ ellipsoids of their own length the base would bounce: they are the ellipsoids th
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import cos, isfinite, pi, radians, sin, sqrt
 
 import numpy as np
@@ -19,6 +18,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, JointIndex, ModelInstanceIndex, RevoluteJoint, RigidBody, WeldJoint
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 
 _PARALLEL = cos(radians(1.0))  # angle between the joint's axis and the cylinder's

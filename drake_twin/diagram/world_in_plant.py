@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Collection
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -10,7 +11,6 @@ from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
-from drake_twin.description.world_file import WorldFile, WorldModel
 from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.contact_roles import ROUGH
 from drake_twin.diagram.static_world import (
@@ -25,6 +25,9 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Cause, Finding, Kind, Place, about_models
 from drake_twin.scenario import GROUND_FRICTION, Scenario, World
 
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldFile, WorldModel
+
 _GRAVITY = (0.0, 0.0, -9.81)
 _FRICTION = 1.0
 
@@ -32,7 +35,7 @@ _FRICTION = 1.0
 def add_world(
     plant: MultibodyPlant,
     scenario: Scenario,
-    world_file: WorldFile | None,
+    world_file: "WorldFile | None",
     findings: list[Finding],
 ) -> tuple[dict[str, tuple[ModelInstanceIndex, ...]], dict[str, dict[str, RigidTransform]]]:
     """Add gravity, ground and the world file's models to a plant.
@@ -68,13 +71,13 @@ def add_world(
     return moving, anchors
 
 
-def _gravity(world: World, world_file: WorldFile | None) -> tuple[float, float, float]:
+def _gravity(world: World, world_file: "WorldFile | None") -> tuple[float, float, float]:
     if world.gravity is not None:
         return world.gravity
     return _GRAVITY if world_file is None else world_file.gravity
 
 
-def _check_names(scenario: Scenario, world_file: WorldFile) -> None:
+def _check_names(scenario: Scenario, world_file: "WorldFile") -> None:
     names = {model.name for model in world_file.models}
     for robot in scenario.robots:
         if robot.name in names:
@@ -95,7 +98,7 @@ def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
 
 
 def _add_models(
-    plant: MultibodyPlant, world_file: WorldFile, findings: list[Finding]
+    plant: MultibodyPlant, world_file: "WorldFile", findings: list[Finding]
 ) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]], dict[str, dict[str, RigidTransform]]]:
     detail = bearable_detail(world_file.models)
     if detail > 0:
@@ -127,14 +130,14 @@ def _add_models(
     return shapes, moving, anchors
 
 
-def _try_out(model: WorldModel, time_step: float) -> None:
+def _try_out(model: "WorldModel", time_step: float) -> None:
     """Parse a model in a separate plant: a model that Drake refuses must not break the twin's."""
     plant = MultibodyPlant(time_step)
     add_sdf_models(plant, model.text)
     plant.Finalize()
 
 
-def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
+def _add_moving(plant: MultibodyPlant, model: "WorldModel") -> tuple[ModelInstanceIndex, ...]:
     add_sdf_models(plant, model.text)
     every = [
         index

@@ -17,15 +17,16 @@ flies up. Behind the lower part of a hollow side the pressure falls towards the 
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
 from itertools import combinations, pairwise, product
+from math import sqrt
 
 import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import Box, Convex, Cylinder, InMemoryMesh, Mesh, Shape
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of, planes_of, without_slivers
 from drake_twin.description.mesh_triangles import hull_name
 from drake_twin.diagram.contact_shapes import ContactShape
@@ -183,7 +184,8 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
         known[number] = triangle
         for a, b in pairwise((*triangle, triangle[0])):
             beside[a, b] = number
-            length = float(np.linalg.norm(places[a] - places[b]))
+            between = places[a] - places[b]
+            length = sqrt(between.dot(between))
             if a < b and length > longest:
                 heappush(edges, (-length, a, b))
 
@@ -218,7 +220,8 @@ def _hollow(surface: np.ndarray, depth: float) -> np.ndarray:
 
 def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
     a, b, c = (places[index] for index in triangle)
-    return float(np.linalg.norm(np.cross(b - a, c - a)))
+    (x, y, z), (u, v, w) = (b - a).tolist(), (c - a).tolist()
+    return sqrt((y * w - z * v) ** 2 + (z * u - x * w) ** 2 + (x * v - y * u) ** 2)
 
 
 def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Triangle]) -> tuple[str, float] | None:

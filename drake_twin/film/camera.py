@@ -1,9 +1,10 @@
 """A camera that keeps robots in the picture."""
 
-from dataclasses import dataclass
 from math import exp, tan
 
 import numpy as np
+
+from drake_twin.dataclass import dataclass
 
 FOV = 0.85  # rad, of the picture's height
 _FROM = np.array([0.75, -0.65, 0.38])  # as the page's camera at the start, but lower: the horizon is seen

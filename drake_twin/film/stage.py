@@ -1,11 +1,12 @@
 """Draws the pictures of a film: robots and world by Drake's renderer, shadows by what the sun sees, ground and sky."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter, map_coordinates
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.surroundings import Light
 from drake_twin.film.camera import Camera, Shot, looking_along
 from drake_twin.film.surroundings import Backdrop, backdrop, rays

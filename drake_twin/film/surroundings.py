@@ -1,9 +1,8 @@
 """What is around the robots in a film, as on the page: a sky, and a ground with a grid that fades far away."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.film.camera import Shot
 
 SKY_TOP, SKY_BOTTOM = np.array([0.50, 0.67, 0.86]), np.array([0.93, 0.95, 0.97])

@@ -1,11 +1,12 @@
 """The Gazebo topics that the bridges of a launch file carry: parameter_bridge and image_bridge."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.source_file import file_text
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import did_you_mean

@@ -1,9 +1,10 @@
 """Parsing of the command lines of ROS's own executables."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.ros2.launched import LaunchedProcess
 from drake_twin.values import parse_number

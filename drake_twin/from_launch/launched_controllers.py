@@ -3,13 +3,14 @@
 import contextlib
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.from_launch.command_line import CommandLine, command_line

@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.description.source_file import file_text
 from drake_twin.description.world_file import WorldModel

@@ -1,13 +1,14 @@
 """The robots that a launch file starts: their descriptions, poses and controller managers."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import is_ros2_control, read_plugins
 from drake_twin.description.included_model import included_model
 from drake_twin.description.lasting_files import lasting_file

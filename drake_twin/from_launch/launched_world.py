@@ -3,9 +3,10 @@
 import shlex
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldModel, read_world
 from drake_twin.errors import InputError

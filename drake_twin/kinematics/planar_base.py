@@ -1,11 +1,12 @@
 """The pose and velocity of a base that moves over the plane on joints, from the joints' state."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Pose
 from drake_twin.kinematics.rotations import quaternion_from_rpy
 

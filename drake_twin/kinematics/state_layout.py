@@ -1,11 +1,12 @@
 """The indices of a robot's joints in its model instance's state vector, or in the plant's."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import sqrt
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.kinematics.planar_base import PlanarBase
 
 

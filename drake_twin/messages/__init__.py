@@ -6,11 +6,11 @@ other packages than the store's are loaded into it one by one.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from math import isfinite
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.frozen import Frozen
 from drake_twin.messages.field_values import base_value, field_value, is_vector, list_of
 from drake_twin.messages.field_values import shortened as shortened

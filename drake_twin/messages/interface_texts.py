@@ -7,7 +7,7 @@ file declares: fields (``TYPE NAME``, or ``TYPE NAME VALUE`` with a default valu
 """
 
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 
 
 @cache
@@ -24,6 +24,6 @@ def interface_text(name: str) -> str | None:
 
 @cache
 def _declarations() -> dict[str, str]:
-    lines = files("drake_twin.messages").joinpath("interfaces.txt").read_text(encoding="utf-8").splitlines()
+    lines = Path(__file__).with_name("interfaces.txt").read_text(encoding="utf-8").splitlines()
     pairs = (line.partition(":") for line in lines)
     return {name: declarations.strip() for name, _, declarations in pairs}

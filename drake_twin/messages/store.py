@@ -5,9 +5,12 @@ structures in it that only hashing needs.
 """
 
 import ast
+import contextlib
 import logging
 import re
 from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from drake_twin.messages.field_values import field_value
@@ -28,6 +31,8 @@ OF_THE_TWIN = (
     *("simulation_interfaces", "std_srvs", "topic_tools_interfaces"),
 )
 
+_STORE_FILE = ("typesys", "stores", "ros2_jazzy.py")
+_NAME_IN_STORE = re.compile(r"^    '(\w+/msg/\w+)':", re.MULTILINE)
 _WIDE = re.compile(r"^[ \t]*wstring\b", re.MULTILINE)
 _log = logging.getLogger(__name__)
 _CHAR = re.compile(r"^\s*char\b", re.MULTILINE)  # a uint8 in ROS 2's hashes
@@ -76,7 +81,16 @@ def store_with(name: str) -> Any:
 
 @cache
 def base_types() -> frozenset[str]:
-    """Return the names of the messages that rosbags' store has without any being loaded."""
+    """Return the names of the messages that rosbags' store has without any being loaded.
+
+    They are read from its module's text: importing the module takes 0.1 s.
+    """
+    package = find_spec("rosbags")
+    for folder in () if package is None else package.submodule_search_locations or ():
+        with contextlib.suppress(OSError):
+            text = Path(folder, *_STORE_FILE).read_text(encoding="utf-8")
+            if names := frozenset(_NAME_IN_STORE.findall(text)):
+                return names
     return frozenset(_base_store().types)
 
 

@@ -2,12 +2,12 @@
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 
 _log = logging.getLogger(__name__)

@@ -7,9 +7,10 @@ single ones, sequences and arrays.
 import struct
 from collections import UserString
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import isinf
 from typing import Any
+
+from drake_twin.dataclass import dataclass
 
 _FLOAT32 = struct.Struct("f")
 

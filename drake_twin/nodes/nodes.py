@@ -4,12 +4,13 @@ import logging
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import count
 from math import inf
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_programs import built_in_programs
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.python_programs import PythonProgram, python_programs

@@ -1,12 +1,13 @@
 """The plan of one controller of a robot: its typed parameters, its claims and its state at the start."""
 
 from collections.abc import Container, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.dataclass import dataclass
 from drake_twin.description.controllers_yaml import nested
 from drake_twin.description.declared_parameters import DeclaredParameter, declared_parameters
 from drake_twin.description.gazebo_drive import GazeboDrive

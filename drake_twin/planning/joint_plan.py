@@ -1,10 +1,11 @@
 """The plan of a robot's joints: where they start, and how they follow commands."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import nan
 from pathlib import Path
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
 from drake_twin.description.robot_description import MUJOCO, RobotDescription
 from drake_twin.errors import InputError

@@ -6,9 +6,9 @@ that has no effect here is declared all the same, so that programs which set it 
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.declared_parameters import DeclaredParameter
 from drake_twin.messages.parameter_value import type_of
 from drake_twin.planning.controller_plan import USE_SIM_TIME

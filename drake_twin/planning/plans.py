@@ -1,18 +1,21 @@
 """The plans of all robots of a scenario, and its world."""
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
-from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.errors import InputError
 from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import Scenario, ScenarioError, World
 
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldFile
 
-def world_of(world: World, packages: PackageIndex) -> WorldFile | None:
+
+def world_of(world: World, packages: PackageIndex) -> "WorldFile | None":
     """Read the world of a scenario; None if it has no file.
 
     Raises:
@@ -21,6 +24,8 @@ def world_of(world: World, packages: PackageIndex) -> WorldFile | None:
     """
     if world.file is None:
         return None
+    from drake_twin.description.world_file import read_world
+
     try:
         return read_world(world.file, packages, world.without_models, world.model_poses, world.model_copies)
     except InputError as error:

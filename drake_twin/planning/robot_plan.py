@@ -1,7 +1,6 @@
 """The plan of a robot: what the twin starts of its files, ready to be built."""
 
-from dataclasses import dataclass
-
+from drake_twin.dataclass import dataclass
 from drake_twin.description.controllers_yaml import ControllerManagerParameters
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel

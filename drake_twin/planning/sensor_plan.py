@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription, Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.sensors import SENSOR_PLUGINS, sensor_text

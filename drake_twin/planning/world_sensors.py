@@ -2,12 +2,15 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.world_file import WorldModel
 from drake_twin.findings import Finding
 from drake_twin.planning.sensor_plan import SensorOwner, SensorPlan, sensor_plans
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldModel
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class ModelPlan:
     frame_prefix: str = ""
 
 
-def plan_models(models: Iterable[WorldModel], bridged: Mapping[str, str] | None) -> tuple[ModelPlan, ...]:
+def plan_models(models: "Iterable[WorldModel]", bridged: Mapping[str, str] | None) -> tuple[ModelPlan, ...]:
     """Plan the sensors of models of a world.
 
     Args:

@@ -3,12 +3,12 @@
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.bag_files import check_bag_files
 from drake_twin.errors import InputError
 from drake_twin.messages import type_store

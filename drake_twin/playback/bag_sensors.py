@@ -1,7 +1,6 @@
 """What the sensors of a bag measured: pictures as tiles, points in the scene, at the bag's moment."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from drake_twin.cockpit.color_map import Legend
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.cockpit.sensor_points import HEIGHT, RANGE, Measured, measured
 from drake_twin.cockpit.sensor_view import tile
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.messages.transform_tree import Transform
 from drake_twin.playback.bag import Bag, BagMessage

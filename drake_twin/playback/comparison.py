@@ -2,7 +2,6 @@
 
 import time as wall_clock
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -11,6 +10,7 @@ from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import read_as
 from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.topics_panel import Plot
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened

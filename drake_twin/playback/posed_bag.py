@@ -4,11 +4,11 @@ import logging
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
 from math import isfinite
 from operator import attrgetter
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.messages.transform_tree import Transform
 from drake_twin.playback.bag import JOINT_STATES, Bag, BagMessage

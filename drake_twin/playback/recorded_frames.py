@@ -1,8 +1,8 @@
 """The frames of a bag: a tree for each namespace that has its own ``tf`` topics."""
 
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.messages.transform_tree import Transform, TransformTree
 from drake_twin.playback.bag import TRANSFORMS, BagMessage
 

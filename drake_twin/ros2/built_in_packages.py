@@ -2,9 +2,10 @@
 
 import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.launched import NODE, WORLD, LaunchArgument, LaunchedProcess, WorldStart

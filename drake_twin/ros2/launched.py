@@ -1,10 +1,11 @@
 """What a launch file starts, as frozen data: the result of `evaluate`."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, Literal
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 

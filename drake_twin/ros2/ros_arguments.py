@@ -6,12 +6,12 @@ Source: ros2/rcl (jazzy), rcl/src/rcl/arguments.c.
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.source_file import file_text
 from drake_twin.ros2.launched import ParameterValue
 from drake_twin.ros2.rcl_yaml import Parameters, RclYamlError, read_parameters, read_value

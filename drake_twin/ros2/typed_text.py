@@ -7,11 +7,11 @@ answer holds both: the value, and why ROS refuses it.
 import re
 import typing
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import yaml
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 

@@ -6,9 +6,10 @@ diagram, so that every twin can be printed, saved, compared and run again. Units
 
 import typing
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding

@@ -1,8 +1,9 @@
 """Programs that run beside the robots, and what follows when they end."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from drake_twin.dataclass import dataclass
 from drake_twin.saved import saved
 
 

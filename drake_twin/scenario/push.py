@@ -1,8 +1,8 @@
 """A push as plain data: a force that acts on a link for a while."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Vector3
 from drake_twin.saved import saved
 from drake_twin.typed_data import ValuePath

@@ -1,6 +1,5 @@
 """A barometer on a link."""
 
-from dataclasses import dataclass
 from math import exp, log
 
 import numpy as np
@@ -8,6 +7,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.noise import Noise, read_noise
 from drake_twin.sensors.registry import sensor

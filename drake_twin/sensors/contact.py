@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from math import fsum
 
 import numpy as np
@@ -12,6 +11,7 @@ from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.fixed_joint_lumping import LUMP
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement

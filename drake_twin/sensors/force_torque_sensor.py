@@ -1,13 +1,14 @@
 """A force/torque sensor in a joint."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.classic import classic_plugin, classic_topic

@@ -1,7 +1,6 @@
 """An IMU on a link."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -10,6 +9,7 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Sensor, Vector3
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.classic import classic_plugin, classic_topic

@@ -1,7 +1,6 @@
 """Lidars, sonars and other sensors that cast rays from a point of a link."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from importlib.util import find_spec
 from math import pi
 from typing import Any
@@ -11,6 +10,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.geometry import Role
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import plugin_kind
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement

@@ -1,7 +1,6 @@
 """A logical camera: which models are before it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import pi, tan
 
 from pydrake.common.value import AbstractValue
@@ -10,6 +9,7 @@ from pydrake.multibody.tree import ModelInstanceIndex, default_model_instance, w
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.model_frames import MODEL_FRAME, model_frames
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.registry import sensor

@@ -1,7 +1,6 @@
 """A receiver of satellite navigation on a link."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import atan2, cos, degrees, hypot, radians, sin, sqrt
 
 import numpy as np
@@ -9,6 +8,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.surroundings import SphericalCoordinates

@@ -4,7 +4,7 @@ Each number is a function of the seed, the robot, the sensor, the channel and th
 generator): it does not depend on who listened before, on the order of subscriptions, or on a snapshot between.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from hashlib import blake2b
 from math import exp, expm1, floor, sqrt
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.sensor_element import SensorElement
 
 _TYPES = ("none", "gaussian", "gaussian_quantized")

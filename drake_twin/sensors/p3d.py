@@ -1,7 +1,6 @@
 """The true pose of a link, as Gazebo classic's plugin gazebo_ros_p3d publishes it."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -9,6 +8,7 @@ from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Sensor, Vector3
 from drake_twin.description.sensor_element import SensorElement

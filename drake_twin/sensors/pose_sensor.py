@@ -1,13 +1,14 @@
 """The poses of links."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import BasicVector, Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.sensors.plant_reader import PlantReader
 from drake_twin.systems.weak_callback import weakly
 

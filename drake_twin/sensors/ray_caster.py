@@ -6,7 +6,7 @@ triangles: they are met by formula.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +17,7 @@ from pydrake.geometry import Box, Convex, GeometryId, HalfSpace, Mesh, Role, Sce
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 from drake_twin.description.mesh_triangles import hulled_triangles, mesh_triangles, named_hull
 from drake_twin.errors import InputError

@@ -1,11 +1,11 @@
 """The messages of lidars, as functions of ranges."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 
 # Of a number by NumPy's kind and size, as sensor_msgs/msg/PointField counts them.
 _DATATYPES = {"u2": 4, "u4": 7, "f4": 7}  # colors are four bytes that stand for a float

@@ -1,22 +1,25 @@
 """What a sensor is built from."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
 
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Pose, RobotDescription, Sensor
 from drake_twin.description.surroundings import Surroundings
-from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
+
+if TYPE_CHECKING:
+    from drake_twin.description.world_file import WorldModel
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class SensorSetup:
     renderer: LazyRenderer = field(default_factory=LazyRenderer)
     owner: str = ""
     anchors: Mapping[str, RigidTransform] = field(default_factory=dict)
-    models: tuple[WorldModel, ...] = ()
+    models: "tuple[WorldModel, ...]" = ()
 
     @property
     def body(self) -> RigidBody:

@@ -1,11 +1,11 @@
 """Actions as ROS 2 has them on the graph: three services, feedback and a status for each action."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import TwinError
 from drake_twin.messages import time_message
 from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, Service

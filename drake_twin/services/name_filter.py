@@ -8,9 +8,9 @@ stands still. So this one follows all ways at once (K. Thompson, 1968). It takes
 import re
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 
 _LONGEST = 256  # characters

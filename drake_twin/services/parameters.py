@@ -5,10 +5,10 @@ of the twin's own services and topics, whose parameters are constant.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.declared_parameters import DeclaredParameter
 from drake_twin.errors import InputError
 from drake_twin.messages.parameter_value import python_value, type_of

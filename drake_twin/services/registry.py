@@ -1,9 +1,9 @@
 """Services by what they belong to: the twin, a robot, or a node with parameters."""
 
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from drake_twin.dataclass import dataclass
 from drake_twin.extensions import Registry
 
 Fields = Mapping[str, Any]  # of a response

@@ -2,12 +2,12 @@
 
 import logging
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.shared_viewer.meshcat_protocol import Command, TransformWriter, delete, set_object
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene
 from drake_twin.shared_viewer.three_js import three_js_object

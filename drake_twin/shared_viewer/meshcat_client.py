@@ -9,9 +9,9 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from urllib.parse import urlsplit
 
+from drake_twin.dataclass import dataclass
 from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
 from drake_twin.shared_viewer.meshcat_connection import POLL, RETRY, MeshcatConnection, NoServerError
 from drake_twin.shared_viewer.meshcat_protocol import ASK_FOR_PAGE, Command

@@ -2,7 +2,6 @@
 
 import weakref
 from collections.abc import Container
-from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from pydrake.geometry import FrameId, HalfSpace, Rgba, Role, SceneGraph, Shape
 from pydrake.math import RigidTransform
 
+from drake_twin.dataclass import dataclass
 from drake_twin.twin.twin import Twin
 
 WORLD = "world"  # the folder of fixed geometry

@@ -5,8 +5,8 @@ The page outlives the twins. ``meshcat-server --zmq-url tcp://127.0.0.1:6000`` s
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from drake_twin.dataclass import dataclass
 from drake_twin.shared_viewer.frame_sender import Frame
 from drake_twin.shared_viewer.meshcat_client import FrameCounts, MeshcatClient
 from drake_twin.shared_viewer.shared_scene import SharedScene

@@ -1,10 +1,10 @@
 """A row of a sweep's table, run again: ``python -m drake_twin.run --episode FILE:ROW``."""
 
 import argparse
-from dataclasses import dataclass
 from pathlib import Path
 
 from drake_twin.cli.target import Target
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.scenario.scenario_file import ScenarioFile
 from drake_twin.sweeps.episode import episode_scenario

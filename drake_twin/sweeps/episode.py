@@ -4,11 +4,12 @@ import hashlib
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import ceil
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.findings import Finding
 from drake_twin.plugin_watch import plugins_watched

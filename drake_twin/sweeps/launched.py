@@ -2,11 +2,11 @@
 
 import argparse
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 from drake_twin.cli.target import find_launch_file, package_paths
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Scenario

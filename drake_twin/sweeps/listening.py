@@ -6,8 +6,10 @@ import os
 import socket
 import struct
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
+
+from drake_twin.dataclass import dataclass
 
 _LISTENS = "0A"  # TCP_LISTEN
 

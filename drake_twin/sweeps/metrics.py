@@ -10,7 +10,6 @@ import inspect
 import re
 import runpy
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from drake_twin.cli.history import RobotHistory, RunHistory
+from drake_twin.dataclass import dataclass
 from drake_twin.description.source_file import file_bytes
 from drake_twin.errors import InputError, described
 from drake_twin.twin.twin import Twin

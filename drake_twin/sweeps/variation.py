@@ -19,11 +19,12 @@ A path is one of `Scenario.values` (see `drake_twin.twin.varied_parameters`), or
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from math import exp, isfinite, log, prod
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.scenario import CENIC, GROUND_FRICTION, Robot, Scenario, ScenarioError
 from drake_twin.twin.varied_parameters import JOINT_VALUES, LINK_VALUES

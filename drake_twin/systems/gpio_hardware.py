@@ -1,12 +1,12 @@
 """The simulated hardware behind a robot's GPIOs."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import nan
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteStateIndex, DiscreteValues, InputPort, OutputPort
 
+from drake_twin.dataclass import dataclass
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 

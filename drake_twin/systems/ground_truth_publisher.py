@@ -1,7 +1,6 @@
 """The true poses of the robots' bases, as odometry messages."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
 from typing import Any
@@ -13,6 +12,7 @@ from pydrake.math import RotationMatrix
 from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Pose
 from drake_twin.kinematics.rotations import quaternion_from_rpy
 from drake_twin.kinematics.state_layout import StateLayout

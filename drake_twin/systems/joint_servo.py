@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import copysign, isnan, nan
 
 import numpy as np
@@ -16,6 +15,7 @@ from pydrake.systems.framework import (
     OutputPort,
 )
 
+from drake_twin.dataclass import dataclass
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly

@@ -1,7 +1,6 @@
 """The frames of all robots on ROS's ``/tf`` and ``/tf_static``."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import repeat
 from operator import attrgetter
@@ -13,6 +12,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.kinematics.joint_frames import JointFrames
 from drake_twin.kinematics.state_layout import StateLayout

@@ -6,9 +6,9 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, run_program
 

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import is_dataclass
 from math import isfinite
 from operator import attrgetter
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from pydrake.systems.framework import Context, FixedInputPortValue
 
 from drake_twin.controllers.base_controller import Controller
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.topics import CommandTopic
 from drake_twin.errors import CommandError
 from drake_twin.messages import Numbers, shortened

@@ -5,11 +5,11 @@ raises because of a name or a conflict. A switch takes effect at the next physic
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_types
+from drake_twin.dataclass import dataclass
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.twin.controller_switch import Switch, SwitchRules

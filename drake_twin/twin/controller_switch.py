@@ -1,8 +1,9 @@
 """The decision of a controller manager which controllers a switch activates and deactivates."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from drake_twin.dataclass import dataclass
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, ControllerPlan, chained_to
 
 

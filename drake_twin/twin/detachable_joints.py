@@ -1,6 +1,6 @@
 """Fixed joints that come and go: what their controllers ask for is done in the plant's context."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, FilterId, GeometrySet
@@ -9,6 +9,7 @@ from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.detachable_joint import Attachment, DetachableJoint
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.twin_diagram import TwinDiagram
 

@@ -1,9 +1,9 @@
 """What a twin offers to the world outside: topics out and in, actions and services."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any, Protocol
 
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.diagram.twin_diagram import TwinDiagram
 

@@ -5,7 +5,6 @@ and twists are in the world, or in the frame of another entity.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
@@ -14,6 +13,7 @@ from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError

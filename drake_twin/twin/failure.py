@@ -3,13 +3,13 @@
 import contextlib
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, PrismaticJoint
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError, described

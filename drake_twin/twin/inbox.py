@@ -2,10 +2,10 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from threading import Event, Lock
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import RunError
 from drake_twin.twin.owner import Owned, Owner, any_thread
 

@@ -5,12 +5,13 @@ repeats it to the last bit.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable, RigidBody
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
 from drake_twin.saved import saved

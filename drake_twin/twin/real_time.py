@@ -3,12 +3,13 @@
 import time as wall_clock
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import floor, inf
 from typing import Protocol
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.schedule import step_at
 from drake_twin.twin.twin_clock import TwinClock

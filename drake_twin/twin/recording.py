@@ -3,13 +3,14 @@
 import functools
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Set
-from dataclasses import dataclass, field, is_dataclass, replace
+from dataclasses import field, is_dataclass, replace
 from numbers import Real
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError, TwinError
 from drake_twin.messages import shortened
 from drake_twin.saved import saved

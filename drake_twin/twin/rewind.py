@@ -4,11 +4,12 @@ import pickle
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from pydrake.geometry import GeometryId
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError, RunError
 from drake_twin.findings import Kind, texts
 from drake_twin.twin.owner import Owned

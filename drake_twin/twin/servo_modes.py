@@ -10,11 +10,12 @@ it to the joint's limit, with any value of ``enforce_command_limits``.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isnan
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.servo_gains import (
     BRAKE,

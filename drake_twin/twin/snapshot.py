@@ -1,11 +1,12 @@
 """A twin at one moment as plain data, to keep in memory or in a file, and to restore."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import inf
 from pathlib import Path
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.saved import saved

@@ -2,11 +2,11 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
 from typing import Any
 
 from pydrake.systems.framework import Context
 
+from drake_twin.dataclass import dataclass
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.planning.robot_plan import RobotPlan
 

@@ -2,9 +2,9 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from statistics import median
 
+from drake_twin.dataclass import dataclass
 from drake_twin.twin.touching import models_of_shapes, touching
 from drake_twin.twin.twin import Twin
 

@@ -1,11 +1,11 @@
 """The subscriptions to a twin's topics, and the times of their deliveries."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from math import ceil, floor, inf
 from operator import attrgetter
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.messages.draft import Draft
 from drake_twin.twin.schedule import step_at
 

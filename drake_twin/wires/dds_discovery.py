@@ -5,9 +5,9 @@ DDS connects a reader and a writer of one topic only if their types have the sam
 
 import logging
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.messages.interface_types import deserialize, type_hash
 from drake_twin.wires.dds_endpoints import matched, quality, reader
 from drake_twin.wires.log_once import LogOnce

@@ -9,10 +9,10 @@ import logging
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
+from drake_twin.dataclass import dataclass
 from drake_twin.messages.interface_types import type_hash
 from drake_twin.wires.dds_discovery import End
 from drake_twin.wires.dds_endpoints import MOST_SAMPLES, matched, quality, reader, writer

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from queue import Empty, SimpleQueue
 from threading import Event, Thread
 
+from drake_twin.dataclass import dataclass
 from drake_twin.messages.draft import Draft
 from drake_twin.twin.endpoints import Endpoint
 from drake_twin.wires.wire import Sender

@@ -15,10 +15,10 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.python_process import stops_held_back
 from drake_twin.wires.rclpy_records import STARTED, Pipe, records

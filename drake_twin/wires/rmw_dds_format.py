@@ -10,10 +10,10 @@ the client chooses and the server repeats. rmw_fastrtps_cpp and rmw_connextdds k
 import re
 import struct
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.messages.interface_types import fields_of, make, serialize
 from drake_twin.wires.ros_names import dds_type
 from drake_twin.wires.wire import LARGEST_OF_NODES

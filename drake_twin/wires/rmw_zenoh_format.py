@@ -5,8 +5,8 @@ Text and bytes only: nothing here opens a session. The upstream sources are ``li
 """
 
 import struct
-from dataclasses import dataclass
 
+from drake_twin.dataclass import dataclass
 from drake_twin.wires.ros_names import dds_type, ros_type
 
 NO_HASH = "TypeHashNotSupported"  # what ROS 2 Humble writes, which has no type hashes

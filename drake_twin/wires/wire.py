@@ -2,8 +2,9 @@
 
 import contextlib
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
+
+from drake_twin.dataclass import dataclass
 
 Reply = Callable[[bytes], None]
 LARGEST = 1 << 20  # bytes of a command and of a request

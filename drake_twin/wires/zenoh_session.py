@@ -2,9 +2,9 @@
 
 import json
 import socket
-from dataclasses import dataclass
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
 

@@ -103,7 +103,6 @@ def test_a_cache_above_its_bound_keeps_what_was_used_last(source, monkeypatch):
         age(file, 1000 - number)
     cached(source("a.stl"), ".obj", never)  # used again: now the most recent
     monkeypatch.setattr(mesh_cache, "_MOST_BYTES", 40)
-    monkeypatch.setattr(mesh_cache, "_TRIMMED_TO", 30)
     newest = cached(source("e.stl"), ".obj", ten_bytes)
     assert [file.exists() for file in (*kept, newest)] == [True, False, False, True, True]
 

@@ -1,18 +1,27 @@
 import contextlib
+import errno
+import os
 from pathlib import Path
 
 import pytest
 from lxml import etree
 from xacro import substitution_args
 
+from drake_twin.description import xacro_cache, xacro_file
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.xacro_file import expand_xacro, installed_xacro, xacro_arguments
+from drake_twin.description.xacro_file import expand_xacro, installed_xacro, places_of_expanded, xacro_arguments
 from drake_twin.errors import InputError
 
 BOMB = (
     "<!DOCTYPE robot [<!ENTITY e0 'aaaaaaaaaa'>"
     + "".join(f"<!ENTITY e{i + 1} '{f'&e{i};' * 10}'>" for i in range(9))
     + "]>"
+)
+
+
+OPTIONAL = (
+    '<xacro:property name="name" value="before"/><xacro:include filename="later.xacro" optional="1"/>'
+    '<link name="${name}"/>'
 )
 
 
@@ -151,6 +160,18 @@ def test_includes_that_cannot_be_followed_do_not_hide_the_other_arguments(tmp_pa
     assert xacro_arguments(file, PackageIndex((), {})) == {"prefix": ""}
 
 
+@pytest.fixture(autouse=True)
+def kept(tmp_path, monkeypatch):
+    """The folder of kept expansions."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "drake_twin" / "xacro"
+
+
+def next_process():
+    """Forget what this process has expanded."""
+    xacro_file._known_expansions.clear()
+
+
 @pytest.fixture
 def expansions(monkeypatch):
     """The files that xacro itself is asked to expand."""
@@ -178,12 +199,108 @@ def test_warnings_of_an_expansion_that_is_known_are_the_same(tmp_path, expansion
     assert len(expansions) == 1
 
 
+def test_the_next_process_does_not_expand_the_same_command(tmp_path, expansions):
+    write_xacro(tmp_path / "part.xacro", '<xacro:arg name="of" default="left"/><link name="$(arg of)"/>')
+    body = '<xacro:include filename="part.xacro"/><xacro:property name="r" value="1" unit="m"/>'
+    file = write_xacro(tmp_path / "r.xacro", body)
+    once = expand_xacro(file, {"of": "right"}, PackageIndex((), {}))
+    assert {Path(place.file).name for place in once.places} == {"r.xacro", "part.xacro"}
+    assert once.warnings
+    next_process()
+    assert expand_xacro(file, {"of": "right"}, PackageIndex((), {})) == once
+    assert places_of_expanded(once.text) == once.places
+    assert len(expansions) == 1
+
+
+def of_other_arguments(file, _):
+    return expand_xacro(file, {"of": "other"}, PackageIndex((), {}))
+
+
+def in_another_folder(file, monkeypatch):
+    (file.parent / "elsewhere").mkdir()
+    monkeypatch.chdir(file.parent / "elsewhere")
+    return expand_xacro(file, {}, PackageIndex((), {}))
+
+
+def of_another_version(file, monkeypatch):
+    monkeypatch.setattr("drake_twin.__version__", "another")
+    return expand_xacro(file, {}, PackageIndex((), {}))
+
+
+def by_another_xacro(file, monkeypatch):
+    monkeypatch.setattr(xacro_file, "_version_of_xacro", lambda: "another")
+    return expand_xacro(file, {}, PackageIndex((), {}))
+
+
+def of_what_is_broken(file, _):
+    for kept in (file.parent / "cache" / "drake_twin" / "xacro").iterdir():
+        kept.write_text(kept.read_text().replace("robot", "rowboat"))
+    return expand_xacro(file, {}, PackageIndex((), {}))
+
+
+def of_what_was_cut_off(file, _):
+    for kept in (file.parent / "cache" / "drake_twin" / "xacro").iterdir():
+        kept.write_text("")
+    return expand_xacro(file, {}, PackageIndex((), {}))
+
+
+@pytest.mark.parametrize(
+    "expand",
+    [
+        of_other_arguments,
+        in_another_folder,
+        of_another_version,
+        by_another_xacro,
+        of_what_is_broken,
+        of_what_was_cut_off,
+    ],
+)
+def test_the_next_process_expands_what_may_be_different(tmp_path, monkeypatch, expansions, expand):
+    file = write_xacro(tmp_path / "r.xacro", '<xacro:arg name="of" default="left"/><link name="a"/>')
+    once = expand_xacro(file, {}, PackageIndex((), {}))
+    next_process()
+    assert expand(file, monkeypatch) == once
+    assert len(expansions) == 2
+
+
+def test_a_file_is_expanded_where_nothing_can_be_kept(tmp_path, monkeypatch, expansions):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(xacro_cache, "write_whole", full)
+    file = write_xacro(tmp_path / "r.xacro", '<link name="a"/>')
+    assert link_of(file) == "a"
+    next_process()
+    assert link_of(file) == "a"
+    assert len(expansions) == 2
+
+
+def test_expansions_that_were_used_longest_ago_are_removed(tmp_path, monkeypatch, kept, expansions):
+    files = [write_xacro(tmp_path / f"{name}.xacro", f'<link name="{name}"/>') for name in "abc"]
+    for file, time in zip(files[:2], (2, 1), strict=True):
+        known = set(kept.glob("*"))
+        link_of(file)
+        (new,) = set(kept.glob("*")) - known
+        os.utime(new, (time, time))
+    size = sum(file.stat().st_size for file in kept.iterdir())
+    monkeypatch.setattr(xacro_cache, "_MOST_BYTES", 1.4 * size)  # of two; it is trimmed to three quarters
+    link_of(files[2])
+    next_process()
+    expansions.clear()
+    assert [link_of(files[number]) for number in (0, 2, 1)] == ["a", "c", "b"]
+    assert expansions == [str(files[1])]
+
+
 def changed_file(folder, _):
     write_xacro(folder / "r.xacro", '<link name="after"/>')
 
 
 def changed_include(folder, _):
     write_xacro(folder / "part.xacro", '<link name="after"/>')
+
+
+def created_include(folder, _):
+    write_xacro(folder / "later.xacro", '<xacro:property name="name" value="after"/>')
 
 
 def changed_yaml(folder, _):
@@ -203,11 +320,13 @@ def deleted_package(folder, _):
     (folder / "second" / "after").mkdir()
 
 
+@pytest.mark.parametrize("forget", [lambda: None, next_process], ids=["same_process", "next_process"])
 @pytest.mark.parametrize(
     ("body", "change"),
     [
         ('<link name="before"/>', changed_file),
         ('<xacro:include filename="part.xacro"/>', changed_include),
+        (OPTIONAL, created_include),
         ("<link name=\"${xacro.load_yaml('names.yaml')['link']}\"/>", changed_yaml),
         ('<link name="$(optenv LINK before)"/>', changed_variable),
         ('<link name="$(env LINK)"/>', changed_variable),
@@ -215,7 +334,7 @@ def deleted_package(folder, _):
         ('<link name="$(find after)"/>', deleted_package),
     ],
 )
-def test_what_has_changed_is_expanded_again(tmp_path, monkeypatch, body, change):
+def test_what_has_changed_is_expanded_again(tmp_path, monkeypatch, body, change, forget):
     monkeypatch.setenv("LINK", "before")
     if "optenv" in body:
         monkeypatch.delenv("LINK")
@@ -229,6 +348,7 @@ def test_what_has_changed_is_expanded_again(tmp_path, monkeypatch, body, change)
     before = link_of(file, *folders)
     assert link_of(file, *folders) == before
     change(tmp_path, monkeypatch)
+    forget()
     after = link_of(file, *folders)
     assert after != before
     assert after.endswith("after")

@@ -2,9 +2,10 @@ import subprocess
 import sys
 
 import pytest
+from rosbags.typesys import Stores, get_typestore
 
 from drake_twin import messages
-from drake_twin.messages.store import store_with
+from drake_twin.messages.store import base_types, store_with
 
 
 def test_times_are_rounded_to_the_nearest_nanosecond():
@@ -81,3 +82,12 @@ def test_fields_that_are_left_out_are_zero_or_empty():
     assert (parameter.string_value, list(parameter.string_array_value)) == ("", [])
     assert isinstance(parameter.bool_value, bool)
     assert messages.message("sensor_msgs/msg/Imu", {}).orientation_covariance.tolist() == [0.0] * 9
+
+
+def test_the_names_of_the_stores_types_are_those_of_the_loaded_store():
+    assert base_types() == frozenset(get_typestore(Stores.ROS2_JAZZY).types)
+
+
+def test_names_that_are_not_found_in_the_text_are_those_of_the_store(monkeypatch):
+    monkeypatch.setattr("drake_twin.messages.store._STORE_FILE", ("moved.py",))
+    assert base_types.__wrapped__() == base_types()

@@ -5,10 +5,11 @@ Grey values are OpenCV's, to the bit. Bayer and YUV images need OpenCV (``pip in
 
 import importlib
 import re
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from drake_twin.dataclass import dataclass
 
 DEPTHS = {
     "8U": "uint8",

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.nodes.message_classes import message_class, service_class
 
 _CONFLICT = 1_000_000_000  # ns for which the feedback of another client is ignored

@@ -1,7 +1,6 @@
 """Where a robot's links are at given joint positions, what they touch, and which positions place a link."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import inf, pi
 
 import numpy as np
@@ -10,6 +9,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name, urdf_link_name
 from drake_twin.diagram.plant import parse_robot
 from drake_twin.planning.robot_plan import RobotPlan

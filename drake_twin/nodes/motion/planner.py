@@ -1,7 +1,6 @@
 """Plans of motions that MoveIt's messages ask for: a start, goals, constraints on the way, limits."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drake_twin.dataclass import dataclass
 from drake_twin.nodes.motion.arm_model import ArmModel
 from drake_twin.nodes.motion.constraints import (
     ConstraintError,

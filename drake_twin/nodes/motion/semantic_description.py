@@ -4,9 +4,10 @@ Source: moveit/srdfdom (ros2), src/model.cpp; moveit_core's robot_model.cpp for 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from xml.etree import ElementTree
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.robot_description import RobotDescription
 
 

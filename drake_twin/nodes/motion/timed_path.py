@@ -1,7 +1,6 @@
 """The times of a path: as fast as the joints' velocities and accelerations allow (Drake's TOPPRA)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +8,8 @@ from pydrake.multibody.optimization import CalcGridPointsOptions, Toppra
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial
+
+from drake_twin.dataclass import dataclass
 
 _SAMPLE = 0.1  # s between two points, as MoveIt's time parameterization has them
 _CLOSE = 1e-6  # rad or m, below which two points of a path are one

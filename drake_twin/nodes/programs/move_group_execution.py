@@ -4,7 +4,6 @@ Source: moveit_ros_planning's trajectory_execution_manager.cpp and moveit_simple
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -14,6 +13,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from drake_twin.dataclass import dataclass
 from drake_twin.nodes.motion.error_codes import ErrorCode
 
 _TYPES = {

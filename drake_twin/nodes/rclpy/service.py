@@ -3,9 +3,9 @@
 import inspect
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from drake_twin.dataclass import dataclass
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Offer
 from drake_twin.nodes.rclpy.handle import Handle

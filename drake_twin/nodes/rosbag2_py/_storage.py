@@ -1,9 +1,10 @@
 """Stand-in for ``rosbag2_py._storage``: what readers and writers are told and tell."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import IntEnum
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.nodes.rclpy.duration import Duration
 from drake_twin.nodes.rclpy.qos import QoSProfile
 from drake_twin.nodes.rclpy.time import Time

@@ -4,11 +4,12 @@ import array
 import sys
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import yaml
+
+from drake_twin.dataclass import dataclass
 
 _ARRAYS = (list, tuple, array.array, np.ndarray)
 

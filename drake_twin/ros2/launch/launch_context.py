@@ -3,13 +3,14 @@
 import os
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
 from drake_twin.findings import Place

@@ -1,10 +1,11 @@
 """``moveit_configs_utils.MoveItConfigsBuilder``: the parameters of MoveIt's nodes, from a package's files."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, Self
 
+from drake_twin.dataclass import dataclass
 from drake_twin.ros2.ament_index_python.packages import get_package_share_directory
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch.substitutions.command import Command

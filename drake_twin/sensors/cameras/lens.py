@@ -4,12 +4,12 @@ All directions are in the optical frame: x to the right, y down, z forward. The 
 v has the coordinates (u, v), as in OpenCV and ROS.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, floor
 
 import numpy as np
 
+from drake_twin.dataclass import dataclass
 from drake_twin.sensors.cameras.settings import CameraSettings, Intrinsics
 
 _MOST_WIDENED = 4.0  # times the picture's size: what is beyond is black

@@ -1,7 +1,6 @@
 """What cameras see, as plain data that another process can draw."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import (
@@ -22,6 +21,7 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 from drake_twin.description.surroundings import Light, Surroundings
 

@@ -1,9 +1,10 @@
 """What a camera reads of its element, for Gazebo and for Gazebo classic."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import inf, pi, tan
 from typing import NamedTuple
 
+from drake_twin.dataclass import dataclass
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.cameras.picture import COLOR, DEPTH
 from drake_twin.sensors.noise import Noise, read_noise
