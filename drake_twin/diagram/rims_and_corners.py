@@ -8,7 +8,7 @@ pushed at its top, a body of 10 by 30 cm would tip at 0.7 of the force that it s
 balls in their corners. They meet what does not move and is thick; of a thin or a moving body Drake may find the
 wrong side for a ball that has sunk in.
 
-On a plane the corners alone say all about where a convex body stands, at a sixth of the cost of faces. So it has feet,
+On a plane the corners alone say all about where a convex body stands, at a third of the cost of faces. So it has feet,
 which meet planes in place of its faces: a ball in each corner, and one in the middle of each side. With the corners
 alone a body that spins on the ground would be braked 1.8 times as fast as by a pressure that is even over its side.
 The middle bears so much that both are the same.
