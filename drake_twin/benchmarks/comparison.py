@@ -1,0 +1,107 @@
+"""The twin beside other engines: processor time at 1 ms, at equal error, and memory."""
+
+import subprocess
+import sys
+from functools import partial
+from statistics import median
+from time import process_time
+
+from drake_twin.benchmarks.engine import Setting, compared, drive, turn
+from drake_twin.benchmarks.measure import by_turns, ratio
+from drake_twin.benchmarks.piles import PILES
+from drake_twin.benchmarks.precision import equal_error
+from drake_twin.benchmarks.report import Cell, Table
+from drake_twin.benchmarks.size import Size
+from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
+from drake_twin.program import say
+
+_COUNTS = (1, 8, 32, 100)
+_SPAN = 0.1  # s; simulated in a turn
+_LONGEST_TURN = 6.0  # s of processor time; larger numbers are left out
+WORK = {HOLDING_ARMS.name: HOLDING_ARMS, **WORKLOADS, **PILES}
+_CHAOTIC = PILES["boxes in heaps of twenty"]  # no run comes near another one
+_MEMORY = """
+import ctypes, gc, sys, tempfile
+from pathlib import Path
+from drake_twin.benchmarks.comparison import WORK
+from drake_twin.benchmarks.engine import Setting, drive
+from drake_twin.benchmarks.robots import prepare
+
+def resident():
+    gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)
+    return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
+
+def make(count):
+    engine = Setting(sys.argv[1]).make(WORK[sys.argv[2]], count, Path(folder))
+    drive(engine, WORK[sys.argv[2]], count, 0.0, 0.01)
+    return engine
+
+with tempfile.TemporaryDirectory() as folder:
+    first = make(1)
+    prepare(WORK[sys.argv[2]], int(sys.argv[3]), Path(folder), 0.001)
+    before = resident()
+    second = make(int(sys.argv[3]))
+    print((resident() - before) / int(sys.argv[3]) / 1024)
+"""
+
+
+def engines(size: Size) -> list[Table]:
+    """Measure the twin beside DART, which is Gazebo's engine, and MuJoCo."""
+    is_quick = size.scale < 0.5
+    counts = _COUNTS if size.counts == Size.counts else size.counts
+    others = [workload for workload in WORK.values() if workload not in (HOLDING_ARMS, _CHAOTIC)]
+    return [
+        _at_one_ms(size, counts),
+        equal_error("engines", size, others[:1] if is_quick else others, counts[:1] if is_quick else counts[:2]),
+        _memory(2 if is_quick else 16),
+    ]
+
+
+def _at_one_ms(size: Size, counts: tuple[int, ...]) -> Table:
+    rows = []
+    for workload in WORK.values():
+        longest = 0.0
+        for index, count in enumerate(counts):
+            if index and longest * count / counts[index - 1] > _LONGEST_TURN:
+                break
+            say(f"  {count} {workload.name}", sys.stderr)
+            row, longest = _row(size, workload, count)
+            rows.append(row)
+    names = compared()
+    columns = ("work", *names, *(f"twin ÷ {name}" for name in names[1:]))
+    return Table(
+        "engines",
+        "Beside other engines: µs of processor time for each simulated ms, steps of 1 ms",
+        columns,
+        tuple(rows),
+    )
+
+
+def _row(size: Size, workload: Workload, count: int) -> tuple[tuple[Cell, ...], float]:
+    """Return a row, and the longest of the engines' turns (s of processor time)."""
+    begin = workload.timed_from if size.scale >= 0.5 else _SPAN
+    cases = {}
+    for name in compared():
+        engine = Setting(name).make(workload, count, size.folder)
+        drive(engine, workload, count, 0.0, begin)
+        cases[name] = turn(engine, workload, count, _SPAN, begin)
+    times = by_turns(cases, size.repeats, process_time)
+    costs = [median(values) / _SPAN * 1e3 for values in times.values()]
+    ratios = [ratio(times, "twin", name) for name in compared()[1:]]
+    return (f"{count} {workload.name}", *costs, *ratios), max(costs) * _SPAN / 1e3
+
+
+def _memory(more: int) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for workload in (WORKLOADS["cruising rovers"], HOLDING_ARMS, PILES["boxes at rest"]):
+        say(f"  memory: {workload.name}", sys.stderr)
+        rows.append((workload.name, *map(partial(_megabytes, workload, more), compared())))
+    title = f"Resident memory of one more (MB), mean of {more}, each engine in a process of its own"
+    return Table("engines", title, ("of", *compared()), tuple(rows))
+
+
+def _megabytes(workload: Workload, more: int, engine: str) -> float:
+    command = [sys.executable, "-c", _MEMORY, engine, workload.name, str(more)]
+    run = subprocess.run(command, check=True, capture_output=True, text=True)
+    return float(run.stdout.split()[-1])
