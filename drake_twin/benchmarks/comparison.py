@@ -1,4 +1,4 @@
-"""The twin beside other engines: processor time at 1 ms, at equal error, and memory."""
+"""The twin beside other engines: processor time at 1 ms, and memory."""
 
 import subprocess
 import sys
@@ -9,7 +9,6 @@ from time import process_time
 from drake_twin.benchmarks.engine import Setting, compared, drive, turn
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.piles import PILES
-from drake_twin.benchmarks.precision import equal_error
 from drake_twin.benchmarks.report import Cell, Table
 from drake_twin.benchmarks.size import Size
 from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
@@ -19,7 +18,6 @@ _COUNTS = (1, 8, 32, 100)
 _SPAN = 0.1  # s; simulated in a turn
 _LONGEST_TURN = 6.0  # s of processor time; larger numbers are left out
 WORK = {HOLDING_ARMS.name: HOLDING_ARMS, **WORKLOADS, **PILES}
-_CHAOTIC = PILES["boxes in heaps of twenty"]  # no run comes near another one
 _MEMORY = """
 import ctypes, gc, sys, tempfile
 from pathlib import Path
@@ -48,14 +46,8 @@ with tempfile.TemporaryDirectory() as folder:
 
 def engines(size: Size) -> list[Table]:
     """Measure the twin beside DART, which is Gazebo's engine, and MuJoCo."""
-    is_quick = size.scale < 0.5
     counts = _COUNTS if size.counts == Size.counts else size.counts
-    others = [workload for workload in WORK.values() if workload not in (HOLDING_ARMS, _CHAOTIC)]
-    return [
-        _at_one_ms(size, counts),
-        equal_error("engines", size, others[:1] if is_quick else others, counts[:1] if is_quick else counts[:2]),
-        _memory(2 if is_quick else 16),
-    ]
+    return [_at_one_ms(size, counts), _memory(2 if size.scale < 0.5 else 16)]
 
 
 def _at_one_ms(size: Size, counts: tuple[int, ...]) -> Table:

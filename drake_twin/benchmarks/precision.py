@@ -10,6 +10,7 @@ import numpy as np
 
 from drake_twin.benchmarks.engine import Setting, compared, drive, observed
 from drake_twin.benchmarks.measure import whole
+from drake_twin.benchmarks.piles import PILES
 from drake_twin.benchmarks.report import Cell, Table
 from drake_twin.benchmarks.size import Size
 from drake_twin.benchmarks.workloads import LONGEST_GRID, LOOK_AT, SAME_ERROR, WORKLOADS, Workload
@@ -21,7 +22,8 @@ _SOLVERS = ("twin", "twin, similar", "twin, sap")  # the discrete engine with ea
 # The settings that are tried, from coarse to fine.
 _STEPS = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)  # s
 _ACCURACIES = (1e-2, 1e-3, 1e-4, 3e-5, 1e-5, 5e-6, 3e-6, 2e-6, 1e-6, 3e-7, 1e-7)
-_STEPS_OF_OTHERS = (5e-3, 2e-3, 1e-3, 7e-4, 5e-4, 4e-4, 3e-4, 2.5e-4, 2e-4, 1.5e-4, 1e-4, 5e-5, 2.5e-5)  # s
+_STEPS_OF_MUJOCO = (5e-3, 2e-3, 1e-3, 7e-4, 5e-4, 4e-4, 3e-4, 2.5e-4, 2e-4, 1.5e-4, 1e-4, 5e-5, 2.5e-5)  # s
+_STEPS_OF = {"MuJoCo": _STEPS_OF_MUJOCO, "DART": (5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5)}  # s
 
 Run = tuple[Setting, float, float]  # its setting, its error (rad or m), its real-time factor
 
@@ -42,26 +44,19 @@ def precision(size: Size) -> list[Table]:
     return [_table("precision", rows), *tables]
 
 
-def equal_error(section: str, size: Size, workloads: Sequence[Workload], counts: Sequence[int]) -> Table:
-    """Compare costs at equal error, each engine at the first of its settings, from coarse to fine, that is near enough.
-
-    Args:
-        section: The section of the table.
-        size: How much to measure.
-        workloads: The workloads.
-        counts: Their numbers of robots or boxes.
-    """
+def equal_error(size: Size) -> list[Table]:
+    """Measure each engine at the first of its settings, from coarse to fine, that is near enough."""
     rows = []
-    for workload in workloads:
-        for count in counts:
-            say(f"  equal error: {count} {workload.name}", sys.stderr)
+    for workload in (*WORKLOADS.values(), PILES["towers of ten boxes"], PILES["boxes at rest"]):
+        for count in size.counts[: 1 if workload is PILES["towers of ten boxes"] else 2]:
+            say(f"  {count} {workload.name}", sys.stderr)
             case = _Case(size, workload, count, None)
             found = (
                 next((run for run in map(case.run, ladder) if run[1] <= SAME_ERROR), None)
                 for ladder in case.ladders(_SOLVERS[:1])
             )
             rows.append(case.summary([run for run in found if run is not None]))
-    return _table(section, rows)
+    return [_table("equal error", rows)]
 
 
 class _Case:
@@ -83,7 +78,7 @@ class _Case:
         return [
             *([Setting(name, step) for step in _STEPS] for name in solvers),
             [self._cenic(accuracy) for accuracy in _ACCURACIES],
-            *([Setting(name, step) for step in _STEPS_OF_OTHERS] for name in others),
+            *([Setting(name, step) for step in _STEPS_OF[name]] for name in others),
         ]
 
     def run(self, setting: Setting) -> Run:
@@ -124,7 +119,7 @@ class _Case:
         if engine == "MuJoCo":  # finer runs do not always come closer to each other
             return [Setting(engine, step) for step in (0.00002, 0.000005)]
         if engine == "DART":
-            return [Setting(engine, 0.00001)]
+            return [Setting(engine, 0.00002)]
         return [Setting(engine, 0.0001 if self._count > 8 or self._workload.pile else 0.00005)]
 
     def _run(self, setting: Setting) -> tuple[np.ndarray, float]:
@@ -139,7 +134,7 @@ class _Case:
         # Cruising robots cost less once they do not slip any longer.
         span = whole((5.0 if self._workload is _ROVERS else LOOK_AT) * min(1.0, self._size.scale), 0.1)
         times: dict[str, list[float]] = {name: [] for name in settings}
-        for _ in range(self._size.repeats):
+        for _ in range(min(3, self._size.repeats)):
             for name, setting in settings.items():
                 engine = setting.make(self._workload, self._count, self._size.folder)
                 begin = process_time()

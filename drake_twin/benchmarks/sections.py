@@ -10,7 +10,7 @@ from drake_twin.benchmarks.comparison import engines
 from drake_twin.benchmarks.engine import OPTIONAL_MODULES, Setting, is_present, turn
 from drake_twin.benchmarks.engines.twin import TwinEngine
 from drake_twin.benchmarks.measure import by_turns, ratio, whole
-from drake_twin.benchmarks.precision import precision
+from drake_twin.benchmarks.precision import equal_error, precision
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.sensors import sensors
 from drake_twin.benchmarks.size import Size
@@ -168,6 +168,7 @@ def real_time(size: Size) -> list[Table]:
 
 SECTIONS: Mapping[str, Callable[[Size], list[Table]]] = {
     "engines": engines,
+    "equal-error": equal_error,
     "overhead": overhead,
     "features": features,
     "precision": precision,

@@ -9,7 +9,7 @@ from drake_twin.benchmarks import precision as module
 from drake_twin.benchmarks.engine import Setting
 from drake_twin.benchmarks.precision import _Case, equal_error, precision
 from drake_twin.benchmarks.size import Size
-from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS
+from drake_twin.benchmarks.workloads import WORKLOADS
 
 # Error (rad) and real-time factor of each.
 RUNS = {
@@ -53,8 +53,11 @@ def test_the_fastest_of_those_that_are_exact_enough_are_compared(measured, tmp_p
 
 
 def test_the_search_ends_at_the_first_setting_that_is_exact_enough(measured, tmp_path):
-    table = equal_error("engines", Size(tmp_path), [HOLDING_ARMS], [3])
-    assert [row[:4] for row in table.rows] == [("3 arms that hold", "10 ms", pytest.approx(1e3 / 40), "2 ms")]
+    (table,) = equal_error(Size(tmp_path, counts=(3,)))
+    assert [row[0] for row in table.rows] == [
+        f"3 {name}" for name in (*WORKLOADS, "towers of ten boxes", "boxes at rest")
+    ]
+    assert {row[1:4] for row in table.rows} == {("10 ms", 1e3 / 40, "2 ms")}
     assert Setting("twin", 0.001) not in {setting for *_, setting in measured}
     assert Setting("twin", 0.02) in {setting for *_, setting in measured}
 
