@@ -2,28 +2,28 @@
 
 import subprocess
 import sys
+from contextlib import ExitStack
 from functools import partial
 from statistics import median
-from time import process_time
 
-from drake_twin.benchmarks.engine import Setting, compared, drive, turn
-from drake_twin.benchmarks.measure import by_turns, ratio
+from drake_twin.benchmarks.engine import compared
+from drake_twin.benchmarks.measure import ratio
 from drake_twin.benchmarks.piles import PILES
 from drake_twin.benchmarks.report import Cell, Table
 from drake_twin.benchmarks.size import Size
+from drake_twin.benchmarks.worker import WORK, Worker
 from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
 from drake_twin.program import say
 
 _COUNTS = (1, 8, 32, 100)
-_SPAN = 0.1  # s; simulated in a turn
-_LONGEST_TURN = 6.0  # s of processor time; larger numbers are left out
-WORK = {HOLDING_ARMS.name: HOLDING_ARMS, **WORKLOADS, **PILES}
+_SPAN = 0.2  # s; simulated in a turn
+_LONGEST_TURN = 8.0  # s of processor time; larger numbers are left out
 _MEMORY = """
 import ctypes, gc, sys, tempfile
 from pathlib import Path
-from drake_twin.benchmarks.comparison import WORK
 from drake_twin.benchmarks.engine import Setting, drive
 from drake_twin.benchmarks.robots import prepare
+from drake_twin.benchmarks.worker import WORK
 
 def resident():
     gc.collect()
@@ -72,16 +72,19 @@ def _at_one_ms(size: Size, counts: tuple[int, ...]) -> Table:
 
 def _row(size: Size, workload: Workload, count: int) -> tuple[tuple[Cell, ...], float]:
     """Return a row, and the longest of the engines' turns (s of processor time)."""
-    begin = workload.timed_from if size.scale >= 0.5 else _SPAN
-    cases = {}
-    for name in compared():
-        engine = Setting(name).make(workload, count, size.folder)
-        drive(engine, workload, count, 0.0, begin)
-        cases[name] = turn(engine, workload, count, _SPAN, begin)
-    times = by_turns(cases, size.repeats, process_time)
-    costs = [median(values) / _SPAN * 1e3 for values in times.values()]
+    is_quick = size.scale < 0.5
+    span = 0.1 if is_quick else _SPAN
+    times: dict[str, list[float]] = {name: [] for name in compared()}
+    with ExitStack() as stack:
+        workers = {name: stack.enter_context(Worker(name, workload, count)) for name in times}
+        for worker in workers.values():
+            worker.run(0.1 if is_quick else workload.timed_from)
+        for _ in range(size.repeats):
+            for name, worker in workers.items():
+                times[name].append(worker.run(span))
+    costs = [median(values) / span * 1e3 for values in times.values()]
     ratios = [ratio(times, "twin", name) for name in compared()[1:]]
-    return (f"{count} {workload.name}", *costs, *ratios), max(costs) * _SPAN / 1e3
+    return (f"{count} {workload.name}", *costs, *ratios), max(costs) * span / 1e3
 
 
 def _memory(more: int) -> Table:
