@@ -47,12 +47,12 @@ with tempfile.TemporaryDirectory() as folder:
 def engines(size: Size) -> list[Table]:
     """Measure the twin beside DART, which is Gazebo's engine, and MuJoCo."""
     counts = _COUNTS if size.counts == Size.counts else size.counts
-    return [_at_one_ms(size, counts), _memory(2 if size.scale < 0.5 else 16)]
+    return [_at_one_ms(size, counts), _memory(size)]
 
 
 def _at_one_ms(size: Size, counts: tuple[int, ...]) -> Table:
     rows = []
-    for workload in WORK.values():
+    for workload in (HOLDING_ARMS, PILES["boxes at rest"]) if size.scale < 0.5 else WORK.values():
         longest = 0.0
         for index, count in enumerate(counts):
             if index and longest * count / counts[index - 1] > _LONGEST_TURN:
@@ -87,9 +87,11 @@ def _row(size: Size, workload: Workload, count: int) -> tuple[tuple[Cell, ...], 
     return (f"{count} {workload.name}", *costs, *ratios), max(costs) * span / 1e3
 
 
-def _memory(more: int) -> Table:
+def _memory(size: Size) -> Table:
+    more = 2 if size.scale < 0.5 else 16
     rows: list[tuple[Cell, ...]] = []
-    for workload in (WORKLOADS["cruising rovers"], HOLDING_ARMS, PILES["boxes at rest"]):
+    several = (WORKLOADS["cruising rovers"], HOLDING_ARMS, PILES["boxes at rest"])
+    for workload in several[:1] if size.scale < 0.5 else several:
         say(f"  memory: {workload.name}", sys.stderr)
         rows.append((workload.name, *map(partial(_megabytes, workload, more), compared())))
     title = f"Resident memory of one more (MB), mean of {more}, each engine in a process of its own"
