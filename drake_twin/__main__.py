@@ -11,7 +11,7 @@ from drake_twin.program import collecting_later, leave, run_program, version_tex
 
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
-    "benchmarks": "time the twin beside the bare Drake plant, MuJoCo and PyBullet",
+    "benchmarks": "time the twin beside the bare Drake plant, DART, MuJoCo and PyBullet",
     "sweep": "run a scenario over values and seeds, and tabulate what came of it",
     "play": "show a bag of ROS 2 on the page",
     "calibrate": "find the values with which a twin moves as logs of its robot say",

@@ -36,6 +36,7 @@ OPTIONAL = {
     "av": "av>=14",
     "coacd": "coacd>=1",
     "cyclonedds": "cyclonedds>=11.0.1",
+    "dartpy": "dartpy>=6.20",
     "foxglove": "foxglove-sdk>=0.26",
     "gymnasium": "gymnasium>=1.0",
     "jupyterlab": "jupyterlab>=4",
@@ -62,7 +63,7 @@ class Extra(NamedTuple):
 
 EXTRAS = {
     "all": Extra("all of those below", tuple(OPTIONAL)),
-    "benchmarks": Extra("`python -m drake_twin.benchmarks`", ("matplotlib", "mujoco", "pybullet")),
+    "benchmarks": Extra("`python -m drake_twin.benchmarks`", ("dartpy", "matplotlib", "mujoco", "pybullet")),
     "dds": Extra("`--ros dds`", ("cyclonedds",)),
     "decomposition": Extra("`collision: decomposition`", ("coacd",)),
     "film": Extra("`--record film.mp4`", ("av",)),

@@ -41,6 +41,9 @@ def _main(arguments: Sequence[str]) -> int:
             raise InputError(f"unknown section {section!r}", value=section, valid=SECTIONS)
     counts = None if options.robots is None else _numbers(options.robots)
     absent = [name for name in EXTRAS["benchmarks"].modules if find_spec(name) is None]
+    if "dartpy" in absent:
+        absent.remove("dartpy")
+        say("DART is left out: dartpy is not installed, and has wheels for Linux only", sys.stderr)
     if "pybullet" in absent and sys.version_info >= (3, 12):
         absent.remove("pybullet")
         say("PyBullet is left out: it is not installed, and has no wheel for Python 3.12 and later", sys.stderr)

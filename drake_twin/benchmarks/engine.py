@@ -1,6 +1,8 @@
 """The interface of the engines, and their settings."""
 
+from collections.abc import Callable
 from importlib import import_module
+from importlib.util import find_spec
 from math import floor
 from pathlib import Path
 from typing import Protocol
@@ -22,6 +24,9 @@ class Engine(Protocol):
 
     def positions(self) -> np.ndarray:
         """Return the positions of the commanded joints (rad), shape (robots, joints)."""
+
+    def centers(self) -> np.ndarray:
+        """Return the positions of the loose boxes' centers (m), shape (boxes, 3)."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +70,26 @@ ENGINES = {
     "bare plant": ("bare_plant", "BarePlant"),
     "bare plant, sampled ports": ("bare_plant", "SampledBarePlant"),
     "MuJoCo": ("mujoco", "MujocoEngine"),
+    "DART": ("dart", "DartEngine"),
     "PyBullet": ("pybullet", "PybulletEngine"),
 }
+# The modules of engines that have no package for every Python and system: they are left out where they are absent.
+OPTIONAL_MODULES = {"DART": "dartpy", "PyBullet": "pybullet"}
+
+
+def is_present(engine: str) -> bool:
+    """Tell whether the module of an engine of `ENGINES` is installed."""
+    return engine not in OPTIONAL_MODULES or find_spec(OPTIONAL_MODULES[engine]) is not None
+
+
+def compared() -> list[str]:
+    """Return the engines that stand beside each other, the twin first."""
+    return [name for name in ("twin", "DART", "MuJoCo") if is_present(name)]
+
+
+def observed(engine: Engine, workload: Workload) -> np.ndarray:
+    """Return what errors are measured in: positions of joints (rad), or those of a pile's boxes (m)."""
+    return engine.positions() if workload.pile is None else engine.centers()
 
 
 def drive(engine: Engine, workload: Workload, count: int, begin: float, end: float, event: float | None = None) -> None:
@@ -90,6 +113,18 @@ def drive(engine: Engine, workload: Workload, count: int, begin: float, end: flo
             if workload.period is not None and time < end - 1e-9 and _is_multiple(time, workload.period):
                 engine.command(workload.commands(count, time))
     engine.advance_to(end)
+
+
+def turn(engine: Engine, workload: Workload, count: int, span: float, begin: float = 0.0) -> Callable[[], object]:
+    """Return a function that runs an engine for a span (s) each time it is called, from a time (s) on."""
+    turns = [0]
+
+    def run() -> None:
+        start = begin + turns[0] * span
+        turns[0] += 1
+        drive(engine, workload, count, start, start + span)
+
+    return run
 
 
 def _is_multiple(time: float, period: float) -> bool:

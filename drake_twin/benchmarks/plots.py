@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LINES = ("twin, cenic", "twin, similar", "twin, sap", "twin", "MuJoCo")  # of work against precision
+_LINES = ("twin, cenic", "twin, similar", "twin, sap", "twin", "DART", "MuJoCo")  # of work against precision
 
 
 def draw(tables: Sequence[Table], folder: Path) -> list[Path]:

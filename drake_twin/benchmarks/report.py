@@ -44,7 +44,7 @@ def machine() -> dict[str, str]:
     if file.exists():
         names = [line.partition(":")[2].strip() for line in file.read_text().splitlines() if "model name" in line]
         processor = f"{len(names)} x {names[0]}" if names else processor
-    packages = ["drake", "mujoco", "numpy"] + (["pybullet"] if find_spec("pybullet") else [])
+    packages = ["drake", "mujoco", "numpy", *(name for name in ("dartpy", "pybullet") if find_spec(name))]
     return {
         "date": date.today().isoformat(),
         "processor": processor,

@@ -1,12 +1,15 @@
 """The robots of a workload as the twin prepares them, which the other engines load, too."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, DiagramBuilder
 
-from drake_twin.benchmarks.workloads import Box, Workload
+from drake_twin.benchmarks.boxes import Box
+from drake_twin.benchmarks.workloads import Workload
 from drake_twin.dataclass import dataclass
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
@@ -15,15 +18,12 @@ from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.planning.robot_plan import RobotPlan
 
-FRICTION = 0.9  # of tires on the ground: the smaller of both, as in Gazebo
-
 
 @dataclass(frozen=True)
 class Joint:
-    """A commanded joint: its name, its servo's damping (N·m·s/rad) and its effort limit (N·m)."""
+    """A commanded joint: its name and its effort limit (N·m)."""
 
     name: str
-    damping: float
     effort: float
 
 
@@ -64,11 +64,27 @@ class PreparedRobots:
     boxes: tuple[Box, ...]
 
     @property
+    def loose(self) -> list[int]:
+        """The indices of the boxes that move."""
+        return [index for index, box in enumerate(self.boxes) if box.mass is not None]
+
+    @property
     def positions(self) -> np.ndarray:
         """The indices of the commanded joints in the plant's state, shape (robots, joints)."""
         return np.array(
             [[robot.in_plant.layout_in_plant.positions[joint.name] for joint in robot.joints] for robot in self.robots]
         )
+
+
+def commanded(plan: RobotPlan) -> tuple[str, ...]:
+    """Return the joints that the first controller with any claims."""
+    return next((tuple(claim.joint for claim in item.claims) for item in plan.controllers if item.claims), ())
+
+
+def centers(plant: MultibodyPlant, context: Context, loose: Sequence[int]) -> np.ndarray:
+    """Return the positions of boxes' centers (m), shape (boxes, 3)."""
+    bodies = [plant.GetBodyByName("link", plant.GetModelInstanceByName(f"box_{index}")) for index in loose]
+    return np.array([plant.EvalBodyPoseInWorld(context, body).translation() for body in bodies]).reshape(-1, 3)
 
 
 def prepare(
@@ -91,13 +107,8 @@ def prepare(
     parts = add_plant(builder, scenario, plans, world, sampled_output_ports=sampled_output_ports)
     robots = []
     for plan in plans:
-        in_plant, joints = parts.robots[plan.name], []
-        for claim in next(item.claims for item in plan.controllers if item.claims):
-            gains = in_plant.gains[in_plant.layout.efforts[claim.joint]]
-            assert gains is not None
-            effort = plan.description.joints_by_name[claim.joint].limits.effort
-            joints.append(Joint(claim.joint, gains.velocity.d, effort))
+        joints = [Joint(name, plan.description.joints_by_name[name].limits.effort) for name in commanded(plan)]
         text = plan.model.drake_text.replace("file://", "")
         text = re.sub(r"<drake:(\w+)[ >].*?</drake:\1>", "", text, flags=re.DOTALL)
-        robots.append(Prepared(text, plan, tuple(joints), in_plant))
-    return PreparedRobots(tuple(robots), builder, parts, workload.placed_boxes(scenario.robots))
+        robots.append(Prepared(text, plan, tuple(joints), parts.robots[plan.name]))
+    return PreparedRobots(tuple(robots), builder, parts, workload.placed_boxes(count, scenario.robots))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drake_twin.benchmarks.boxes import FRICTION, Box, world_text
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.dataclass import dataclass
 from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, World
@@ -16,44 +17,45 @@ SAME_ERROR = 1e-3  # rad; what counts as equally accurate
 LONGEST_GRID = 0.1  # s; the period at which CENIC is stopped without events
 
 
-@dataclass(frozen=True)
-class Box:
-    """A box near a robot.
+# A twin has one robot at least. This one has no shape and does not move; every engine gets it.
+_POST = (
+    '<robot name="post"><link name="world"/><link name="post"><inertial><mass value="1"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="fixed" type="fixed"><parent link="world"/><child link="post"/></joint></robot>\n'
+)
 
-    Attributes:
-        size: The lengths of its edges (m).
-        xyz: Its center relative to the robot's initial position on the ground (m).
-        pitch: Its angle about the robot's y axis (rad).
-        mass: Its mass (kg); None for a fixed box.
-    """
 
-    size: tuple[float, float, float]
-    xyz: tuple[float, float, float]
-    pitch: float = 0.0
-    mass: float | None = None
+def _none(_robot: int, _time: float) -> tuple[float, ...]:
+    return ()
 
 
 @dataclass(frozen=True)
 class Workload:
-    """Robots and their commands.
+    """Robots and their commands, or boxes alone.
 
     Attributes:
         name: Its name in tables.
-        robot: One of `drake_twin.builder.demo.DEMOS`; its joints are commanded velocities.
+        robot: One of `drake_twin.builder.demo.DEMOS`; its joints are commanded velocities. Not for a pile.
         velocities: (number of the robot, time in s) → the velocity of each commanded joint (rad/s).
         period: The period at which the command changes (s); None if it never changes.
         boxes: The boxes around each robot.
+        pile: The count → the boxes of a workload without robots, in the world frame.
+        friction: The coefficient of friction of the ground and the boxes.
+        timed_from: The time from which it is timed beside other engines (s), a multiple of 0.1.
     """
 
     name: str
-    robot: str
-    velocities: Callable[[int, float], tuple[float, ...]]
+    robot: str = ""
+    velocities: Callable[[int, float], tuple[float, ...]] = _none
     period: float | None = None
     boxes: tuple[Box, ...] = ()
+    pile: Callable[[int], tuple[Box, ...]] | None = None
+    friction: float = FRICTION
+    timed_from: float = 0.3
 
     def commands(self, count: int, time: float) -> np.ndarray:
         """Return the commands of all robots at a time (s), shape (robots, joints)."""
-        return np.array([self.velocities(index, time) for index in range(count)])
+        return np.array([self.velocities(index, time) for index in range(count if self.pile is None else 1)])
 
     def scenario(
         self, count: int, folder: Path, *, time_step: float, engine: str = DISCRETE, accuracy: float = 1e-3
@@ -61,22 +63,35 @@ class Workload:
         """Return the twin's scenario of this workload, without commands.
 
         Args:
-            count: The number of robots.
-            folder: The folder for the world file.
+            count: The number of robots, or of boxes or towers of a pile.
+            folder: The folder for the files that it names.
             time_step: As in `Scenario`.
             engine: As in `Scenario`.
             accuracy: As in `Scenario`.
         """
-        scenario = demo_scenario(self.robot, count, drive=False, time_step=time_step)
+        if self.pile is None:
+            scenario = demo_scenario(self.robot, count, drive=False, time_step=time_step)
+        else:
+            post = folder / "post.urdf"
+            post.write_text(_POST, encoding="utf-8")
+            scenario = Scenario(robots=(Robot("post", str(post)),), time_step=time_step)
         scenario = replace(scenario, engine=engine, accuracy=accuracy)
-        if not self.boxes:
+        boxes = self.placed_boxes(count, scenario.robots)
+        if not boxes:
             return scenario
         file = folder / f"{self.name.replace(' ', '_')}_{count}.sdf"
-        file.write_text(_world(self.placed_boxes(scenario.robots)), encoding="utf-8")
+        file.write_text(world_text(boxes, self.friction), encoding="utf-8")
         return replace(scenario, world=World(file=str(file)))
 
-    def placed_boxes(self, robots: tuple[Robot, ...]) -> tuple[Box, ...]:
-        """Return the boxes of all robots, in the world frame."""
+    def placed_boxes(self, count: int, robots: tuple[Robot, ...]) -> tuple[Box, ...]:
+        """Return all boxes, in the world frame.
+
+        Args:
+            count: The count of a pile.
+            robots: The robots around which boxes stand.
+        """
+        if self.pile is not None:
+            return self.pile(count)
         return tuple(
             replace(box, xyz=(robot.xyz[0] + box.xyz[0], robot.xyz[1] + box.xyz[1], box.xyz[2]))
             for robot in robots
@@ -94,32 +109,6 @@ class Workload:
                 for index, robot in enumerate(scenario.robots)
             ),
         )
-
-
-def _world(boxes: tuple[Box, ...]) -> str:
-    models = []
-    for index, box in enumerate(boxes):
-        size = " ".join(map(str, box.size))
-        inertial = ""
-        if box.mass is not None:
-            x, y, z = (edge * edge for edge in box.size)
-            ixx, iyy, izz = (box.mass / 12 * moment for moment in (y + z, x + z, x + y))
-            inertial = (
-                f"<inertial><mass>{box.mass}</mass><inertia><ixx>{ixx}</ixx><iyy>{iyy}</iyy><izz>{izz}</izz>"
-                "<ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>"
-            )
-        geometry = f"<geometry><box><size>{size}</size></box></geometry>"
-        pose = f"{' '.join(map(str, box.xyz))} 0 {box.pitch} 0"
-        models.append(
-            f'<model name="box_{index}"><static>{str(box.mass is None).lower()}</static><pose>{pose}</pose>'
-            f'<link name="link">{inertial}<collision name="c">{geometry}</collision>'
-            f'<visual name="v">{geometry}</visual></link></model>'
-        )
-    ground = (
-        '<model name="ground"><static>true</static><link name="link"><collision name="c"><geometry><plane>'
-        "<normal>0 0 1</normal><size>100 100</size></plane></geometry></collision></link></model>"
-    )
-    return f'<sdf version="1.9"><world name="benchmark">{ground}{"".join(models)}</world></sdf>\n'
 
 
 def _wander(robot: int, time: float) -> tuple[float, ...]:
@@ -157,7 +146,7 @@ def _sweep(robot: int, _time: float) -> tuple[float, ...]:
 
 STEP_AND_RAMP = (
     Box((0.30, 1.0, 0.04), (0.50, 0.0, 0.0)),
-    Box((0.60, 1.0, 0.04), (1.05, 0.0, 0.02), pitch=-0.12),
+    Box((0.60, 1.0, 0.04), (1.05, 0.0, 0.02), rpy=(0.0, -0.12, 0.0)),
 )
 PILLAR = (Box((0.08, 0.08, 0.50), (0.26, 0.14, 0.25), mass=0.5),)
 
@@ -168,8 +157,8 @@ WORKLOADS = {
     for workload in (
         Workload("cruising rovers", "rover", _straight),
         Workload("rovers whose commands change", "rover", _wander, period=0.1),
-        Workload("rovers over steps and ramps", "rover", _over, period=0.1, boxes=STEP_AND_RAMP),
+        Workload("rovers over steps and ramps", "rover", _over, period=0.1, boxes=STEP_AND_RAMP, timed_from=0.5),
         Workload("arms whose commands change", "arduinobot", _wave, period=0.1),
-        Workload("arms that push boxes", "arduinobot", _sweep, boxes=PILLAR),
+        Workload("arms that push boxes", "arduinobot", _sweep, boxes=PILLAR, timed_from=0.5),
     )
 }

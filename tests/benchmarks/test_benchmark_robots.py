@@ -2,7 +2,8 @@
 
 import pytest
 
-from drake_twin.benchmarks.robots import FRICTION, prepare
+from drake_twin.benchmarks.boxes import FRICTION
+from drake_twin.benchmarks.robots import prepare
 from drake_twin.benchmarks.workloads import WORKLOADS
 from drake_twin.builder.demo import demo_scenario
 
@@ -12,7 +13,7 @@ def prepared(tmp_path):
     return prepare(WORKLOADS["cruising rovers"], 2, tmp_path, 0.001)
 
 
-def test_each_robot_has_its_four_wheels_with_their_gains(prepared):
+def test_each_robot_has_its_four_wheels_with_their_efforts(prepared):
     assert [len(robot.joints) for robot in prepared.robots] == [4, 4]
     assert prepared.positions.shape == (2, 4)
     assert len(set(prepared.positions.ravel().tolist())) == 8

@@ -42,8 +42,6 @@ DRAWN_BY = {
     "diagrams/two_rovers.svg": "drake_twin/diagram/picture.py",  # python -m drake_twin.run FILE --graphviz PICTURE
     "drake_twin/docs/panels.png": "tests/docs/draw_panel.py",
     "drake_twin/docs/rovers_and_arm.webp": "tests/docs/draw_page.py",
-    "drake_twin/docs/benchmarks_robots.svg": "drake_twin/benchmarks/plots.py",  # python -m drake_twin.benchmarks
-    "drake_twin/docs/benchmarks_precision.svg": "drake_twin/benchmarks/plots.py",
 }
 
 

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
 from drake_twin.benchmarks.engine import Setting
-from drake_twin.benchmarks.robots import prepare
+from drake_twin.benchmarks.robots import centers, prepare
 from drake_twin.benchmarks.workloads import Workload
 from drake_twin.diagram.servo_gains import HOLD, VELOCITY, set_gains
 
@@ -23,6 +23,7 @@ class BarePlant:
         self._robots = prepared.robots
         self._plant: MultibodyPlant = prepared.parts.plant
         self._positions = prepared.positions
+        self._loose = prepared.loose
         self._simulator = Simulator(prepared.builder.Build())
         self._context = self._plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
         for robot in self._robots:
@@ -47,6 +48,10 @@ class BarePlant:
     def positions(self) -> np.ndarray:
         """Return the positions of the commanded joints."""
         return np.asarray(self._plant.GetPositionsAndVelocities(self._context)[self._positions])
+
+    def centers(self) -> np.ndarray:
+        """Return the positions of the loose boxes' centers."""
+        return centers(self._plant, self._context, self._loose)
 
 
 class SampledBarePlant(BarePlant):

@@ -1,18 +1,27 @@
-"""MuJoCo with its best settings for these robots: implicitfast integration, elliptic cones, velocity actuators."""
+"""MuJoCo with its best settings for these robots: implicitfast integration, elliptic cones.
+
+Wheels have velocity actuators, and arms actuators of integrated velocity, which hold a position.
+"""
 
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from drake_twin.benchmarks.boxes import Box
 from drake_twin.benchmarks.engine import Setting
-from drake_twin.benchmarks.robots import FRICTION, Prepared, prepare
-from drake_twin.benchmarks.workloads import Box, Workload
+from drake_twin.benchmarks.robots import Prepared, prepare
+from drake_twin.benchmarks.workloads import Workload
 
 _ROBOT, _WORLD = 1, 2  # robots collide with the world only, not with each other, which saves MuJoCo time
 _COMPILER = (
     '<mujoco><compiler strippath="false" discardvisual="true" fusestatic="true" balanceinertia="true"/></mujoco>'
 )
+
+# The twin's own gains (12,000 N·m·s/rad within 20 N·m) do not follow at steps of 1 or 2 ms. These do, at every step.
+_SLIP = 0.1  # rad/s; the error of a wheel's velocity at which its actuator gives all of its effort
+_DROOP = 0.002  # rad; the same for the position of an arm's joint
+_LAG = 0.005  # s; of an arm's joint behind the integral of its command
 
 
 class MujocoEngine:
@@ -30,11 +39,15 @@ class MujocoEngine:
             _add_box(spec, index, box)
         for index, robot in enumerate(prepared.robots):
             _add_robot(spec, index, robot)
+        for geom in spec.geoms:
+            geom.friction = [workload.friction, 0.0, 0.0]
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         names = [[f"{index}/{joint.name}" for joint in robot.joints] for index, robot in enumerate(prepared.robots)]
-        self._positions = np.array([[self._model.joint(name).qposadr[0] for name in row] for row in names])
-        self._actuators = np.array([[self._model.actuator(name).id for name in row] for row in names])
+        self._positions = np.array([[self._model.joint(name).qposadr[0] for name in row] for row in names], dtype=int)
+        self._actuators = np.array([[self._model.actuator(name).id for name in row] for row in names], dtype=int)
+        free = [self._model.joint(f"box {index}").qposadr[0] for index in prepared.loose]
+        self._loose = np.add.outer(np.array(free, dtype=int), np.arange(3))
 
     def command(self, velocities: np.ndarray) -> None:
         """Command joint velocities."""
@@ -55,6 +68,10 @@ class MujocoEngine:
         """Return the positions of the commanded joints."""
         return np.array(self._data.qpos[self._positions])
 
+    def centers(self) -> np.ndarray:
+        """Return the positions of the loose boxes' centers."""
+        return np.array(self._data.qpos[self._loose])
+
 
 def _add_robot(spec: mujoco.MjSpec, index: int, robot: Prepared) -> None:
     child = mujoco.MjSpec.from_string(robot.urdf.replace(">", f">{_COMPILER}", 1))
@@ -72,7 +89,11 @@ def _add_robot(spec: mujoco.MjSpec, index: int, robot: Prepared) -> None:
     for commanded in robot.joints:
         actuator = child.add_actuator(name=commanded.name, target=commanded.name)
         actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
-        actuator.set_to_velocity(kv=commanded.damping)
+        if robot.description.joints_by_name[commanded.name].type == "continuous":
+            actuator.set_to_velocity(kv=commanded.effort / _SLIP)
+        else:
+            stiffness = commanded.effort / _DROOP
+            actuator.set_to_intvelocity(kp=stiffness, kv=stiffness * _LAG, inheritrange=1)
         actuator.forcelimited = True
         actuator.forcerange = [-commanded.effort, commanded.effort]
     frame = spec.worldbody.add_frame(pos=robot.xyz)
@@ -82,15 +103,13 @@ def _add_robot(spec: mujoco.MjSpec, index: int, robot: Prepared) -> None:
 
 
 def _add_box(spec: mujoco.MjSpec, index: int, box: Box) -> None:
-    half = 0.5 * box.pitch
-    body = spec.worldbody.add_body(name=f"box {index}", pos=box.xyz, quat=[np.cos(half), 0, np.sin(half), 0])
+    body = spec.worldbody.add_body(name=f"box {index}", pos=box.xyz, quat=box.quaternion)
     mass = {} if box.mass is None else {"mass": box.mass}
     geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[edge / 2 for edge in box.size], **mass)
     _collide(geom, _WORLD, _ROBOT | _WORLD)
     if box.mass is not None:
-        body.add_freejoint()
+        body.add_freejoint(name=body.name)
 
 
 def _collide(geom: mujoco.MjsGeom, kind: int, others: int) -> None:
     geom.contype, geom.conaffinity = kind, others
-    geom.friction = [FRICTION, 0.0, 0.0]

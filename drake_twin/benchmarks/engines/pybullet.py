@@ -1,6 +1,7 @@
 """PyBullet with its velocity motors."""
 
 from collections.abc import Sequence
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -8,9 +9,10 @@ import numpy as np
 import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
+from drake_twin.benchmarks.boxes import FRICTION, Box
 from drake_twin.benchmarks.engine import Setting
-from drake_twin.benchmarks.robots import FRICTION, Prepared, prepare
-from drake_twin.benchmarks.workloads import Box, Workload
+from drake_twin.benchmarks.robots import Prepared, prepare
+from drake_twin.benchmarks.workloads import Workload
 
 
 class PybulletEngine:
@@ -22,9 +24,11 @@ class PybulletEngine:
         self._bullet.setGravity(0, 0, -9.81)
         self._bullet.setTimeStep(setting.step)
         self._step, self._steps = setting.step, 0
+        # A pair's friction is the product: the robots have all of it, and boxes without robots the root.
+        self._friction = 1.0 if workload.pile is None else sqrt(workload.friction)
         self._add_body(0.0, self._bullet.createCollisionShape(pybullet.GEOM_PLANE))
-        for box in prepared.boxes:
-            self._add_box(box)
+        boxes = [self._add_box(box) for box in prepared.boxes]
+        self._loose = [boxes[index] for index in prepared.loose]
         self._robots = [self._add_robot(robot, folder) for robot in prepared.robots]
 
     def command(self, velocities: np.ndarray) -> None:
@@ -46,6 +50,10 @@ class PybulletEngine:
         states = [self._bullet.getJointStates(robot, indices) for robot, indices, _ in self._robots]
         return np.array([[state[0] for state in row] for row in states])
 
+    def centers(self) -> np.ndarray:
+        """Return the positions of the loose boxes' centers."""
+        return np.array([self._bullet.getBasePositionAndOrientation(box)[0] for box in self._loose]).reshape(-1, 3)
+
     def _add_robot(self, robot: Prepared, folder: Path) -> tuple[int, list[int], list[float]]:
         bullet = self._bullet
         file = folder / f"{robot.plan.name}.urdf"
@@ -64,13 +72,14 @@ class PybulletEngine:
                 bullet.changeConstraint(gear, gearRatio=-joint.mimic.multiplier, maxForce=100)
         return body, [indices[joint.name] for joint in robot.joints], [joint.effort for joint in robot.joints]
 
-    def _add_box(self, box: Box) -> None:
+    def _add_box(self, box: Box) -> int:
         bullet = self._bullet
         shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[edge / 2 for edge in box.size])
-        self._add_body(box.mass or 0.0, shape, box.xyz, bullet.getQuaternionFromEuler((0, box.pitch, 0)))
+        return self._add_body(box.mass or 0.0, shape, box.xyz, np.roll(box.quaternion, -1).tolist())
 
     def _add_body(
         self, mass: float, shape: int, xyz: Sequence[float] = (0, 0, 0), quaternion: Sequence[float] = (0, 0, 0, 1)
-    ) -> None:
-        body = self._bullet.createMultiBody(mass, shape, -1, xyz, quaternion)
-        self._bullet.changeDynamics(body, -1, lateralFriction=1.0)
+    ) -> int:
+        body: int = self._bullet.createMultiBody(mass, shape, -1, xyz, quaternion)
+        self._bullet.changeDynamics(body, -1, lateralFriction=self._friction)
+        return body

@@ -9,6 +9,7 @@ import numpy as np
 from pydrake.systems.analysis import SimulatorStatus
 
 from drake_twin.benchmarks.engine import Setting
+from drake_twin.benchmarks.robots import centers, commanded
 from drake_twin.benchmarks.workloads import Workload
 from drake_twin.scenario import CENIC, CONTACT_APPROXIMATIONS, DISCRETE
 from drake_twin.twin.twin import Twin
@@ -25,10 +26,9 @@ class TwinEngine:
             scenario = replace(scenario, contact_approximation=contact)
         self.twin = Twin(scenario)
         self._topics = [f"/{robot}/forward_velocity_controller/commands" for robot in self.twin.robots]
-        self._joints = [
-            [claim.joint for claim in next(item.claims for item in plan.controllers if item.claims)]
-            for plan in self.twin.built.plans
-        ]
+        self._joints = [commanded(plan) for plan in self.twin.built.plans]
+        boxes = workload.placed_boxes(count, scenario.robots)
+        self._loose = [index for index, box in enumerate(boxes) if box.mass is not None]
 
     def __del__(self) -> None:
         if hasattr(self, "twin"):
@@ -36,6 +36,8 @@ class TwinEngine:
 
     def command(self, velocities: np.ndarray) -> None:
         """Command joint velocities."""
+        if not velocities.size:
+            return
         for topic, values in zip(self._topics, velocities.tolist(), strict=True):
             self.twin.publish(topic, values)
 
@@ -61,6 +63,11 @@ class TwinEngine:
             state = self.twin.robot_state(robot)
             rows.append([state.positions[state.joints.index(joint)] for joint in joints])
         return np.array(rows)
+
+    def centers(self) -> np.ndarray:
+        """Return the positions of the loose boxes' centers."""
+        plant = self.twin.plant
+        return centers(plant, plant.GetMyContextFromRoot(self.twin.context), self._loose)
 
 
 class _ClockedSimulator:
