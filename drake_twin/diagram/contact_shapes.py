@@ -73,7 +73,10 @@ class Group:
 
 
 class Part(Enum):
-    """Which shapes a shape meets where loose ones have balls beside their faces; statics are the last three."""
+    """What decides on which shapes a shape meets where loose ones have balls beside their faces.
+
+    The last three do not move.
+    """
 
     WHOLE = "whole"  # it meets all but balls
     FACES = "faces"  # of what has feet: they meet all but planes and balls
@@ -133,7 +136,7 @@ class ContactShape:
         own_mass: The mass of what its body is welded to, with its own (kg).
         point_stiffness: How stiff it is where it touches in a point (a natural frequency squared, 1/s²); None as usual.
         point_dissipation: Hunt and Crossley's there (s/m); None as usual.
-        part: What it is in contacts of the balls beside faces.
+        part: What decides on which shapes it meets where loose ones have balls beside their faces.
         is_roller: Whether it is one of several around a wheel.
         support: What its robot stands on; None for stiffness that follows from its mass.
     """

@@ -62,7 +62,7 @@ _FOOT_STIFFNESS = 6e4
 _FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
 _MOST_LOOSE = 40  # shapes with corners; a plant takes time and memory with the square of its shapes' number
 _MOST_CORNERS = 32  # of a hull; more belong to round things
-_DIGITS = 12  # decimals of a place (m): the last bits of what is solved differ between NumPy's versions
+_DIGITS = 12  # decimals of a place (m) and of a share: the last bits of what is solved differ between NumPy's versions
 
 
 def recess_of(radius: float) -> float:
@@ -174,7 +174,7 @@ def _feet(shape: ContactShape) -> Iterator[ContactShape]:
     stiffness = max(_FOOT_STIFFNESS, 2 * balls.slim)
     dissipation = min(DISSIPATION * (stiffness / _FOOT_STIFFNESS) ** 2, _MOST_DISSIPATION)
     feet = [(place, stiffness) for place in balls.places]
-    feet += [(place, share * stiffness) for place, share in _middles(shape, balls)]
+    feet += [(place, round(share, _DIGITS) * stiffness) for place, share in _middles(shape, balls)]
     for number, (place, stiff) in enumerate(feet):
         part = _point(shape, f"foot{number}", Sphere(balls.radius), place.tolist(), stiff)
         yield replace(part, part=Part.FOOT, point_dissipation=dissipation)
