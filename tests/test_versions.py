@@ -28,6 +28,7 @@ WRITERS = {
     "cli/results.py": "summary",
     "description/lasting_files.py": "a robot's own text, named by its digest",
     "description/mesh_cache.py": "converted mesh",
+    "description/xacro_cache.py": "expanded xacro file",
     "diagram/picture.py": "a picture",
     "film/film.py": "a film",
     "ros2/xacro_program.py": "what xacro writes",

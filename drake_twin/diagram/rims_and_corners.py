@@ -188,8 +188,9 @@ def _middles(shape: ContactShape, balls: _Balls) -> Iterator[tuple[np.ndarray, f
             across = np.delete(half, axis)
             corners = float(np.hypot(*across))
             even = mean_distance(np.array(list(product((-1, 1), repeat=2))) * across)
+            share = 4 * (corners / even - 1) if even > 0 else 0.0  # else it is as thin as nothing
             for sign in (-1, 1):
-                yield sign * (half[axis] - balls.radius) * np.eye(3)[axis], 4 * (corners / even - 1)
+                yield sign * (half[axis] - balls.radius) * np.eye(3)[axis], share
         return
     center = shape.X_BG.inverse() @ shape.body.default_com()
     for side in sides_under(balls.points, center):

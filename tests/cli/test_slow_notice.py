@@ -36,7 +36,7 @@ def test_four_wheels_touch_the_world_in_four_points():
 def test_a_crate_has_the_most_and_its_faces(tmp_path):
     (tmp_path / "w.sdf").write_text(BOX)
     rover = "package://rover_description/urdf/rover.urdf.xacro"
-    builder = TwinBuilder(world=World(file=str(tmp_path / "w.sdf"))).robot("r", rover, xyz=(0, 0, 0.13))
+    builder = TwinBuilder(time_step=0.01, world=World(file=str(tmp_path / "w.sdf"))).robot("r", rover, xyz=(0, 0, 0.13))
     costs = step_costs(standing(builder))
     assert costs.has_faces
     assert next(iter(costs.pairs)) == ("the world", "crate")
