@@ -16,6 +16,8 @@ code = main([*sys.argv[1:], "--headless", "--duration", "0.01"])
 texts = [file for file in compiled if file in (None, "<string>")]
 print(json.dumps({"code": code, "modules": sorted(sys.modules), "compiled": len(texts)}))
 """
+# Python 3.13 compiles a text for each dataclass that has no method to write.
+MORE = 0 if sys.version_info < (3, 13) else 130
 COLLECTIONS = "import gc\nprint(gc.isenabled(), gc.get_stats()[0]['collections'])\n"
 
 # What takes long to import, and is for what these do not have: sensors with pictures, wires, other people's code.
@@ -58,7 +60,8 @@ def started(cache, *words):
             300,
             220,
         ),
-        (("diagrams/rover_and_arm.launch.xml",), OF_NONE, 440, 250),
+        # Of Python 3.13's importlib.invalidate_caches, which Python launch files need.
+        (("diagrams/rover_and_arm.launch.xml",), OF_NONE - {"importlib.metadata"}, 440, 250),
     ],
     ids=["rovers", "arms", "launch"],
 )
@@ -66,7 +69,7 @@ def test_a_start_imports_and_compiles_only_what_it_uses(cache, words, absent, mo
     found = started(cache, *words)
     assert absent & {*found["modules"]} == set()
     assert sum(name.startswith("drake_twin") for name in found["modules"]) <= most_own
-    assert found["compiled"] <= most_compiled
+    assert found["compiled"] <= most_compiled + MORE
 
 
 @pytest.mark.parametrize("program", [("drake_twin.run",), ("drake_twin", "run")])

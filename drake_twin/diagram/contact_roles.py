@@ -28,8 +28,8 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
-from drake_twin.diagram.contact_shapes import ContactShape, Group, Part
-from drake_twin.diagram.yielding_shapes import divided, yielding
+from drake_twin.diagram.contact_shapes import ContactShape, Group, Part, has_short_steps
+from drake_twin.diagram.yielding_shapes import hard, yielding
 from drake_twin.errors import InputError
 
 # The role of a shape towards a partner: rigid because it is static, yielding, rigid because the partner yields, or with
@@ -192,7 +192,7 @@ class Registry:
             soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD)
             form = shape.shape if soft is None else soft.shape
             if variant.role == HARD and not shape.is_loose:
-                form = divided(shape)
+                form = hard(shape, is_fine=not has_short_steps(self._plant))
             geometry, has_faces = shape.geometry if number == 0 else None, False
             if geometry is not None:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)

@@ -36,9 +36,7 @@ _LEAST = 1e-100  # m, whose square is not zero
 # What is thinner is pressed out on the wrong side where a corner has passed its middle in a step (m).
 _THICK = 0.05
 
-# At longer steps (s) things stand on planes with their faces, which take part in a step before they touch. A ball takes
-# part only after that, so that at 10 ms a box that is set down sticks where it should slide.
-LONGEST_ON_FEET = 2e-3
+_SHORT = 2e-3  # s; see `has_short_steps`
 
 # A body falls over on contacts that yield more to a side than they bear of its weight: they have ten times the
 # stiffness that this needs (m/s²).
@@ -161,6 +159,16 @@ class ContactShape:
     support: Support | None = None
 
 
+def has_short_steps(plant: MultibodyPlant) -> bool:
+    """Return whether a plant's steps are so short that few places of contact do.
+
+    With longer ones, and in CENIC, a box that is set down on balls sticks where it should slide: a ball takes part in a
+    step only once it has sunk in, and a face before. And a cube slips three times as fast out of pads that touch it
+    with few facets: Drake's solvers regularize friction in proportion to the step and to the force of each.
+    """
+    return 0 < float(plant.time_step()) <= _SHORT
+
+
 def extent_of(shape: Shape) -> np.ndarray:
     """Return the side lengths of the box around a box, a cylinder or a hull, in its frame (m)."""
     if isinstance(shape, Box):
@@ -257,7 +265,7 @@ class ShapeReader:
         )
 
     def _part(self, static: Shape) -> Part:
-        if isinstance(static, HalfSpace) and 0 < self._plant.time_step() <= LONGEST_ON_FEET:
+        if isinstance(static, HalfSpace) and has_short_steps(self._plant):
             return Part.PLANE
         return Part.THICK if _thickness(static) >= _THICK else Part.THIN
 

@@ -95,17 +95,22 @@ def yielding(shape: ContactShape) -> Yielding:
     return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle)
 
 
-def divided(shape: ContactShape) -> Shape:
-    """Return a shape that does not yield with fine triangles: a finger's pad is smaller than the facets of a crate."""
+def hard(shape: ContactShape, *, is_fine: bool) -> Shape:
+    """Return a shape as one that does not yield: a hull is without slivers.
+
+    Args:
+        shape: The shape.
+        is_fine: Whether it has fine triangles: a finger's pad is smaller than the facets of a crate.
+    """
     form = shape.shape
-    if isinstance(form, Box):
-        return _mesh(_fine_surface(*_box_surface(form.size())), _HARD_NAME, ".obj")
+    if isinstance(form, Box) and is_fine:
+        return _mesh(_hard_surface(*_box_surface(form.size()), is_fine), _HARD_NAME, ".obj")
     if not isinstance(form, Convex):
         return form
     source, scale = form.source(), tuple(form.scale3().tolist())
     if source.is_path():
-        return _mesh(_fine_surface_of_file(str(source.path()), scale), hull_name(source.path(), scale), ".obj")
-    return _mesh(_fine_surface(*_surface(form)[:2]), _HARD_NAME, ".obj")
+        return _mesh(_hard_surface_of_file(str(source.path()), scale, is_fine), hull_name(source.path(), scale), ".obj")
+    return _mesh(_hard_surface(*_surface(form)[:2], is_fine), _HARD_NAME, ".obj")
 
 
 def _mesh(text: str, name: str = _NAME, extension: str = ".vtk") -> Mesh:
@@ -151,8 +156,8 @@ def _surface(shape: Convex) -> tuple[np.ndarray, list[Triangle], bool]:
 
 
 @lru_cache(maxsize=1024)
-def _fine_surface_of_file(path: str, scale: tuple[float, ...]) -> str:
-    return _fine_surface(*_surface(Convex(path, np.array(scale)))[:2])
+def _hard_surface_of_file(path: str, scale: tuple[float, ...], is_fine: bool) -> str:
+    return _hard_surface(*_surface(Convex(path, np.array(scale)))[:2], is_fine)
 
 
 def _box_surface(size: np.ndarray) -> tuple[np.ndarray, list[Triangle]]:
@@ -165,10 +170,11 @@ def _box_surface(size: np.ndarray) -> tuple[np.ndarray, list[Triangle]]:
     return 0.5 * np.array(list(corners)) * size, triangles
 
 
-def _fine_surface(points: np.ndarray, triangles: list[Triangle]) -> str:
-    """Return a surface (n×3, m) with fine triangles as OBJ text."""
+def _hard_surface(points: np.ndarray, triangles: list[Triangle], is_fine: bool) -> str:
+    """Return a surface (n×3, m) as OBJ text, with fine triangles if asked for."""
     _, middle, largest = sorted(np.ptp(points, axis=0).tolist())
-    points, triangles = _refined(points, triangles, max(_LONGEST_HARD * middle, _SHORTEST_HARD * largest))
+    if is_fine:
+        points, triangles = _refined(points, triangles, max(_LONGEST_HARD * middle, _SHORTEST_HARD * largest))
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
     return "\n".join([*lines, *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles)])
 

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from pydrake.geometry import Convex
 
-from drake_twin.diagram.yielding_shapes import _box_surface, _fine_box, _fine_hull, _fine_surface, _surface
+from drake_twin.diagram.yielding_shapes import _box_surface, _fine_box, _fine_hull, _hard_surface, _surface
 
 SHAPES = {
     "plate": trimesh.creation.box((0.008, 0.07, 0.15)),
@@ -83,7 +83,7 @@ def test_the_pressure_behind_the_lower_part_of_an_upright_side_falls_towards_the
 def test_the_surface_of_a_hard_hull_is_divided_into_small_triangles(name):
     hull = SHAPES[name]
     points, triangles, _ = _surface(Convex(np.ascontiguousarray(hull.vertices.T), "hull"))
-    check_surface(_fine_surface(points, triangles), hull)
+    check_surface(_hard_surface(points, triangles, True), hull)
 
 
 def check_surface(text, hull):
@@ -107,6 +107,6 @@ def check_surface(text, hull):
     ],
 )
 def test_the_sides_of_a_hard_box_are_divided(size, least, most):
-    text = _fine_surface(*_box_surface(np.array(size)))
+    text = _hard_surface(*_box_surface(np.array(size)), True)
     assert least <= text.count("f ") <= most
     check_surface(text, trimesh.creation.box(size))
