@@ -41,7 +41,7 @@ def kept_expansion(command: tuple[str, ...]) -> tuple[Answers, Expanded] | None:
     Args:
         command: All that it depends on beside the answers.
     """
-    with contextlib.suppress(OSError, ValueError, KeyError, TypeError, IndexError):  # there is none, or a broken one
+    with contextlib.suppress(OSError, ValueError, KeyError, TypeError, IndexError):  # it is not there, or broken
         file = cache_folder("xacro") / _name(command)
         seal, _, content = file.read_text(encoding="utf-8").partition("\n")
         if seal == _digest(content):

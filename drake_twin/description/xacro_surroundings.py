@@ -79,7 +79,7 @@ class XacroSurroundings:
 
 
 def _content(name: str) -> str | None:
-    """Return a digest of a file's content; None if there is no file."""
+    """Return a digest of a file's content; None without a file."""
     with contextlib.suppress(OSError):
         return hashlib.sha256(file_bytes(name)).hexdigest()
     return None

@@ -96,12 +96,7 @@ def yielding(shape: ContactShape) -> Yielding:
 
 
 def hard(shape: ContactShape, *, is_fine: bool) -> Shape:
-    """Return a shape as one that does not yield: a hull is without slivers.
-
-    Args:
-        shape: The shape.
-        is_fine: Whether it has fine triangles: a finger's pad is smaller than the facets of a crate.
-    """
+    """Return a shape that does not yield, if ``is_fine`` with fine triangles: pads are smaller than a crate's facets."""
     form = shape.shape
     if isinstance(form, Box) and is_fine:
         return _mesh(_hard_surface(*_box_surface(form.size()), is_fine), _HARD_NAME, ".obj")
