@@ -96,7 +96,7 @@ def yielding(shape: ContactShape) -> Yielding:
 
 
 def hard(shape: ContactShape, *, is_fine: bool) -> Shape:
-    """Return a shape that does not yield; if ``is_fine`` in fine triangles, for pads are smaller than those of crates."""
+    """Return a shape that does not yield; if ``is_fine`` in fine triangles, as pads are smaller than a crate."""
     form = shape.shape
     if isinstance(form, Box) and is_fine:
         return _mesh(_hard_surface(*_box_surface(form.size()), is_fine), _HARD_NAME, ".obj")
