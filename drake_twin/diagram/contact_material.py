@@ -110,7 +110,7 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     elif shape.point_stiffness is not None:
         stiffness = shape.point_stiffness * shape.mass
         if shape.part is Part.FOOT:
-            stiffness *= _borne(shape) / shape.mass
+            stiffness = shape.point_stiffness * _borne(shape)
         elif shape.part is Part.CORNER:
             stiffness = max(stiffness, CORNER_STIFFNESS * _borne(shape))
         dissipation = shape.point_dissipation or DISSIPATION

@@ -98,8 +98,6 @@ def with_points(shapes: Sequence[ContactShape], warnings: list[str]) -> list[Con
             feet = list(_feet(shape)) if Part.PLANE in met else []
             found += [replace(shape, part=Part.FACES) if feet else shape, *feet]
             found += _corners(shape) if Part.THICK in met else ()
-    if loose > _MOST_LOOSE:
-        return [replace(shape, part=Part.THICK) if shape.part is Part.PLANE else shape for shape in found]
     return found
 
 
