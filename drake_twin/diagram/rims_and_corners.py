@@ -172,7 +172,8 @@ def _feet(shape: ContactShape) -> Iterator[ContactShape]:
     stiffness = max(_FOOT_STIFFNESS, 2 * balls.slim)
     dissipation = min(DISSIPATION * (stiffness / _FOOT_STIFFNESS) ** 2, _MOST_DISSIPATION)
     feet = [(place, stiffness) for place in balls.places]
-    feet += [(place, round(share, _DIGITS) * stiffness) for place, share in _middles(shape, balls)]
+    middles = [(place, round(share, _DIGITS)) for place, share in _middles(shape, balls)]
+    feet += [(place, share * stiffness) for place, share in middles if share]
     for number, (place, stiff) in enumerate(feet):
         part = _point(shape, f"foot{number}", Sphere(balls.radius), place.tolist(), stiff)
         yield replace(part, part=Part.FOOT, point_dissipation=dissipation)
