@@ -31,14 +31,16 @@ def start(*options, **environment):
 
 
 def call(session, service, kind, **fields):
-    """Calls a service, once it is on the graph; returns the responses."""
+    """Calls a service, once the session knows who answers; returns the responses."""
+    querier = session.declare_querier(topic_key(0, service, kind, type_hash(kind)), timeout=60.0)
     heard = Heard()
-    subscriber = session.liveliness().declare_subscriber("@ros2_lv/0/**", heard, history=True)
-    name = service.replace("/", "%")
-    heard.wait_for(lambda items: any(f"/{name}/" in str(item.key_expr) for item in items), timeout=60.0)
-    subscriber.undeclare()
-    key, data = topic_key(0, service, kind, type_hash(kind)), serialize(make(f"{kind}_Request", fields))
-    replies = session.get(key, payload=data, attachment=attachment(1, 1, bytes(16)), timeout=60.0)
+    listener = querier.declare_matching_listener(heard)
+    if not querier.matching_status.matching:
+        heard.wait_for(lambda items: any(item.matching for item in items), timeout=60.0)
+    listener.undeclare()
+    data = serialize(make(f"{kind}_Request", fields))
+    replies = list(querier.get(payload=data, attachment=attachment(1, 1, bytes(16))))
+    querier.undeclare()
     return [deserialize(f"{kind}_Response", reply.ok.payload.to_bytes()) for reply in replies if reply.ok]
 
 
