@@ -44,6 +44,7 @@ POSE_PUBLISHER = "gz_sim/PosePublisher"
 DETACHABLE_JOINT = "gz_sim/DetachableJoint"
 JOINT_PID = "gz_sim/JointPidController"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
+MULTICOPTER = "gz_sim/Multicopter"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
@@ -88,6 +89,7 @@ class GazeboDrive:
         odometry_rate: The rate of its odometry (Hz); 0 for each physics step, None for the controller's own.
         not_started: Why the plugin cannot work.
         has_failed: Whether that is an exception in the code of another package.
+        is_part: Whether the controller of another plugin does its work.
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
     """
@@ -107,6 +109,7 @@ class GazeboDrive:
     odometry_rate: float | None = None
     not_started: str | None = None
     has_failed: bool = False
+    is_part: bool = False
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
 

@@ -12,24 +12,18 @@ All systems are Drake's own: gyroscopes, an expression, and propellers without t
 has no such correction.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.plant import (
-    ExternallyAppliedSpatialForceMultiplexer,
-    MultibodyPlant,
-    Propeller,
-    PropellerInfo,
-)
+from pydrake.multibody.plant import MultibodyPlant, Propeller, PropellerInfo
 from pydrake.multibody.tree import BodyIndex
 from pydrake.symbolic import Expression, Variable
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, System
-from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, Multiplexer, SymbolicVectorSystem
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort, System
+from pydrake.systems.primitives import ConstantVectorSource, Multiplexer, SymbolicVectorSystem
 
 from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
 
 # Moments of inertia are equal if they differ by less than this part.
 _EQUAL = 1e-3
@@ -54,28 +48,29 @@ class _LooseBody:
     moments: np.ndarray
 
 
-def add_gyroscopic_moments(builder: DiagramBuilder, plant: MultibodyPlant) -> Iterator[Finding]:
-    """Connect the moments of all loose bodies with unequal moments of inertia to a discrete plant.
+def add_gyroscopic_moments(builder: DiagramBuilder, plant: MultibodyPlant) -> OutputPort | None:
+    """Add the moments of all loose bodies with unequal moments of inertia in a discrete plant.
 
     Args:
         builder: The root diagram's builder.
         plant: The finalized plant.
 
-    Yields:
-        What keeps them from it.
+    Returns:
+        The port with the moments as spatial forces; None if nothing needs them.
     """
     bodies = _loose_bodies(plant) if plant.time_step() > 0 else []
     if not bodies:
-        return
-    if builder.IsConnectedOrExported(plant.get_applied_spatial_force_input_port()):
-        names = ", ".join(body.name for body in bodies)
-        what = "a system of yours is connected to the plant's port applied_spatial_force"
-        yield Finding(Kind.WARNING, f"{what}: in the air {names} gain energy where they tumble")
-        return
+        return None
     system = builder.AddNamedSystem(_NAME, _moments_of(plant, bodies))
     for output in (plant.get_body_poses_output_port(), plant.get_body_spatial_velocities_output_port()):
         builder.Connect(output, system.GetInputPort(output.get_name()))
-    builder.Connect(system.get_output_port(), plant.get_applied_spatial_force_input_port())
+    moments: OutputPort = system.get_output_port()
+    return moments
+
+
+def bodies_that_gain_energy(plant: MultibodyPlant) -> list[str]:
+    """Return the names of the bodies that gain energy where they tumble without these moments."""
+    return [body.name for body in _loose_bodies(plant)] if plant.time_step() > 0 else []
 
 
 def _moments_of(plant: MultibodyPlant, bodies: Sequence[_LooseBody]) -> Diagram:
@@ -109,18 +104,8 @@ def _moments_of(plant: MultibodyPlant, bodies: Sequence[_LooseBody]) -> Diagram:
     moments = builder.AddNamedSystem("moments", SymbolicVectorSystem(input=[*w, *scales], output=expressions))
     builder.Connect(velocities.get_output_port(), moments.get_input_port())
     builder.Connect(moments.get_output_port(), propellers.get_command_input_port())
-    forces = builder.AddNamedSystem("forces", ExternallyAppliedSpatialForceMultiplexer(2))
-    nothing = builder.AddNamedSystem("nothing", ConstantValueSource(forces.get_input_port(1).Allocate()))
-    builder.Connect(propellers.get_spatial_forces_output_port(), forces.get_input_port(0))
-    builder.Connect(nothing.get_output_port(), forces.get_input_port(1))
-    builder.ExportOutput(forces.get_output_port(), "spatial_forces")
+    builder.ExportOutput(propellers.get_spatial_forces_output_port(), "spatial_forces")
     return builder.Build()
-
-
-def wrench_port(diagram: Diagram, plant: MultibodyPlant) -> InputPort:
-    """Return the port for other applied spatial forces, whose value can be fixed."""
-    forces = _system(diagram, "forces")
-    return plant.get_applied_spatial_force_input_port() if forces is None else forces.get_input_port(1)
 
 
 def follow_inertias(diagram: Diagram, plant: MultibodyPlant, root: Context) -> None:

@@ -9,6 +9,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import DiscreteTimeDelay
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup, Upstream
+from drake_twin.controllers.body_forces import ForceController, RobotBody
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import TRUE_STATE, PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
@@ -59,6 +60,14 @@ class RobotDiagram:
     warnings: tuple[str, ...] = ()
     delays: Mapping[str, DiscreteTimeDelay] = field(default_factory=dict)
 
+    def forces(self) -> list[tuple[ForceController, OutputPort]]:
+        """Return the controllers that exert forces, each with the diagram's port that has its ``signals``."""
+        return [
+            (controller, self.diagram.GetOutputPort(f"{name}/signals"))
+            for name, controller in self.controllers.items()
+            if isinstance(controller, ForceController)
+        ]
+
 
 def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_plant: RobotInPlant) -> RobotDiagram:
     """Build a robot's sub-diagram.
@@ -82,6 +91,9 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
         "net_actuation": plant.get_net_actuation_output_port(instance),
     }
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
+    for controller in controllers.values():
+        if isinstance(controller, ForceController):
+            controller.attach(RobotBody(plant, instance))
     joints = _joints_of_actuators(layout)
     servo = _add_servo(builder, plan, joints, controllers, in_plant, plant) if joints else None
     always_published = {}
@@ -287,6 +299,8 @@ def _wire_controller(
         builder.ExportInput(controller.GetInputPort(topic), f"{name}/{topic}")
     for topic in (*controller.published, *controller.vector_outputs):
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
+    if isinstance(controller, ForceController):
+        builder.ExportOutput(controller.get_signals_output_port(), f"{name}/signals")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:
             builder.Connect(

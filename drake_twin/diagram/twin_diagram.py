@@ -19,10 +19,10 @@ from pydrake.systems.framework import (
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.diagram.applied_forces import apply_forces
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.frames import add_frames, colliding_transforms, publish_frames
-from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
@@ -247,7 +247,8 @@ def _build(
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
-    about_tumbling = tuple(add_gyroscopic_moments(builder, parts.plant))
+    forces = [item for robot in robots.values() for item in robot.forces()]
+    about_forces = tuple(apply_forces(builder, parts.plant, forces))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
@@ -282,7 +283,7 @@ def _build(
             *colliding_transforms(robots),
             *(() if world_file is None else world_file.findings),
             *parts.findings,
-            *about_tumbling,
+            *about_forces,
         ),
     )
 

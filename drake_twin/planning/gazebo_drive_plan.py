@@ -13,6 +13,7 @@ from drake_twin.description.gazebo_drive import (
     GazeboDrive,
     of_model,
 )
+from drake_twin.description.gazebo_plugins import plugin_node_name
 from drake_twin.description.planar_joints import commanded_planar_joints
 from drake_twin.description.robot_description import (
     CommandInterface,
@@ -35,6 +36,9 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
     findings: list[Finding] = []
     for drive in drives:
         place = drive.plugin.place
+        if drive.is_part:
+            findings += _unread(drive, plugin_node_name(drive.plugin))
+            continue
         if drive.controller is None:
             findings.append(
                 Finding.at(
@@ -53,12 +57,16 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
         findings += [
             Finding.at(Kind.WARNING, f"{name}: {warning}", place, cause=Cause.PLUGIN) for warning in drive.warnings
         ]
-        common = f" of {name}"
-        findings += [
-            Finding.at(Kind.IGNORED, f"<{tag}>{common}", place, common=common, cause=Cause.UNREAD)
-            for tag in drive.unread
-        ]
+        findings += _unread(drive, drive.controller.name)
     return usable, findings
+
+
+def _unread(drive: GazeboDrive, name: str) -> list[Finding]:
+    """Return a finding for each element of a plugin that is ignored."""
+    place, common = drive.plugin.place, f" of Gazebo plugin {name}"
+    return [
+        Finding.at(Kind.IGNORED, f"<{tag}>{common}", place, common=common, cause=Cause.UNREAD) for tag in drive.unread
+    ]
 
 
 def _is_planar_move(drive: GazeboDrive) -> bool:

@@ -18,7 +18,8 @@ from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Sim
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
-from drake_twin.diagram.gyroscopic_moments import follow_inertias, wrench_port
+from drake_twin.diagram.applied_forces import wrench_port
+from drake_twin.diagram.gyroscopic_moments import follow_inertias
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram

@@ -1,0 +1,128 @@
+"""Forces on links that follow from their motion and from commands: what air, water and propellers do.
+
+A kind of them is two classes in one file: a `ForceController`, one for each robot, with its parameters and topics, and
+its `BodyForces`, which computes in NumPy what all controllers of the kind exert, in one call for each evaluation. One
+system of the diagram, `drake_twin.systems.applied_forces.AppliedForces`, reads the motion of the bodies once for all
+kinds, and Drake's own `Propeller` applies the sums.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
+from pydrake.systems.framework import OutputPort
+
+from drake_twin.controllers.base_controller import Controller
+from drake_twin.dataclass import dataclass
+from drake_twin.description.drake_urdf import drake_link_name
+
+
+@dataclass(frozen=True)
+class RobotBody:
+    """A robot in the plant, as forces on its links are built from it.
+
+    Attributes:
+        plant: The finalized plant.
+        instance: The robot's model instance.
+        wind: The wind of the world, in the world frame (m/s).
+    """
+
+    plant: MultibodyPlant
+    instance: ModelInstanceIndex
+    wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def link(self, name: str) -> RigidBody:
+        """Return a link's body."""
+        return self.plant.GetBodyByName(drake_link_name(name), self.instance)
+
+    def joint(self, name: str) -> Joint:
+        """Return a joint."""
+        return self.plant.GetJointByName(name, self.instance)
+
+    def pose(self, body: RigidBody, relative_to: RigidBody) -> RigidTransform:
+        """Return the pose of a body in another one's frame, with all joints at their initial positions."""
+        context = self.plant.CreateDefaultContext()
+        frames = relative_to.body_frame(), body.body_frame()
+        pose: RigidTransform = self.plant.CalcRelativeTransform(context, *frames)
+        return pose
+
+    def place_of(self, index: int) -> int:
+        """Return the index in the plant's ``[q; v]`` of a generalized velocity."""
+        return int(self.plant.num_positions() + index)
+
+    @cached_property
+    def gravity(self) -> np.ndarray:
+        """The acceleration of free fall in the world frame (m/s²)."""
+        return np.array(self.plant.gravity_field().gravity_vector())
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How bodies move at one time.
+
+    Attributes:
+        time: The time (s); of a plant with steps the middle of the step, since forces are constant in it.
+        R_WB: The orientation of each body, shape (n, 3, 3).
+        origins: The place of its origin in the world frame (n×3, m).
+        V_B: Its velocity, in its own axes (n×6): angular (rad/s), then that of its origin (m/s).
+        state: The plant's ``[q; v]``.
+    """
+
+    time: float
+    R_WB: np.ndarray
+    origins: np.ndarray
+    V_B: np.ndarray
+    state: np.ndarray
+
+
+class BodyForces(ABC):
+    """The forces that all controllers of one kind exert.
+
+    Args:
+        sources: The controllers and their robots.
+
+    Attributes:
+        bodies: The bodies whose motion is needed and on which the forces act; one may be there more than once.
+    """
+
+    bodies: Sequence[RigidBody]
+
+    @abstractmethod
+    def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
+        """Prepare what does not change; `bodies` has to be set."""
+
+    @abstractmethod
+    def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
+        """Return the wrench on each of the `bodies` about its origin, in its own axes (n×6): N·m, then N.
+
+        Args:
+            motion: How the `bodies` move, in their order.
+            signals: The controllers' ports ``signals``, one after the other.
+        """
+
+
+class ForceController(Controller):
+    """A controller that exerts forces on the robot's links.
+
+    - ``signals``: vector, what the forces follow from beside the motion.
+
+    Attributes:
+        Forces: The class that computes them.
+        body: The robot in the plant; None in a controller that stands alone.
+    """
+
+    Forces: ClassVar[type[BodyForces]]
+    body: RobotBody | None = None
+
+    def attach(self, body: RobotBody) -> None:
+        """Note the robot in the plant, before the first event or output."""
+        self.body = body
+
+    def get_signals_output_port(self) -> OutputPort:
+        """Return the port ``signals``."""
+        return self.GetOutputPort("signals")

@@ -1,0 +1,104 @@
+"""The forces on the plant's bodies beside those of its joints and contacts: pushes, and what systems exert.
+
+A plant has one port for them all, and a port takes one connection.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant, Propeller, PropellerInfo
+from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
+from pydrake.systems.primitives import ConstantValueSource, Multiplexer
+
+from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
+from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments, bodies_that_gain_energy
+from drake_twin.findings import Finding, Kind
+from drake_twin.systems.applied_forces import AppliedForces
+
+# No robot has such names.
+_OF_CONTROLLERS = "forces/of_controllers"
+_ALL = "forces/all"
+
+
+def apply_forces(
+    builder: DiagramBuilder, plant: MultibodyPlant, controllers: Sequence[tuple[ForceController, OutputPort]]
+) -> Iterator[Finding]:
+    """Apply the forces of controllers and the moments that tumbling bodies need, and leave a place for pushes.
+
+    Args:
+        builder: The root diagram's builder.
+        plant: The finalized plant.
+        controllers: The controllers that exert forces, and their ports ``signals`` on their robots' diagrams.
+
+    Yields:
+        What keeps them from it.
+    """
+    if builder.IsConnectedOrExported(plant.get_applied_spatial_force_input_port()):
+        what = "a system of yours is connected to the plant's port applied_spatial_force"
+        if bodies := ", ".join(bodies_that_gain_energy(plant)):
+            yield Finding(Kind.WARNING, f"{what}: in the air {bodies} gain energy where they tumble")
+        if names := ", ".join(controller.setup.name for controller, _ in controllers):
+            yield Finding(Kind.NOT_STARTED, f"{what}: {names} exert no forces")
+        return
+    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers)
+    sources = [source for source in found if source is not None]
+    if not sources:
+        return
+    system = builder.AddNamedSystem(_ALL, ExternallyAppliedSpatialForceMultiplexer(len(sources) + 1))
+    for number, source in enumerate(sources):
+        builder.Connect(source, system.get_input_port(number))
+    pushes = system.get_input_port(len(sources))
+    none = builder.AddNamedSystem("forces/no_pushes", ConstantValueSource(pushes.Allocate()))
+    builder.Connect(none.get_output_port(), pushes)
+    builder.Connect(system.get_output_port(), plant.get_applied_spatial_force_input_port())
+
+
+def wrench_port(diagram: Diagram, plant: MultibodyPlant) -> InputPort:
+    """Return the port for pushes, whose value can be fixed."""
+    if not diagram.HasSubsystemNamed(_ALL):
+        return plant.get_applied_spatial_force_input_port()
+    system = diagram.GetSubsystemByName(_ALL)
+    return system.get_input_port(system.num_input_ports() - 1)
+
+
+def _forces_of(
+    builder: DiagramBuilder, plant: MultibodyPlant, controllers: Sequence[tuple[ForceController, OutputPort]]
+) -> OutputPort | None:
+    """Add the system that computes the forces of controllers, and Drake's own that applies them."""
+    if not controllers:
+        return None
+    by_kind: dict[type[BodyForces], list[tuple[ForceController, OutputPort]]] = {}
+    for controller, signals in controllers:
+        by_kind.setdefault(controller.Forces, []).append((controller, signals))
+    kinds, ports = [], []
+    for kind, found in by_kind.items():
+        sources: list[tuple[ForceController, RobotBody]] = []
+        for controller, _ in found:
+            assert controller.body is not None
+            sources.append((controller, controller.body))
+        kinds.append((kind(sources), sum(signals.size() for _, signals in found)))
+        ports += [signals for _, signals in found if signals.size()]
+    system = builder.AddNamedSystem(_OF_CONTROLLERS, AppliedForces(plant, kinds))
+    builder.Connect(plant.get_state_output_port(), system.GetInputPort("state"))
+    if ports:
+        joined = builder.AddNamedSystem("forces/signals", Multiplexer([port.size() for port in ports]))
+        for number, port in enumerate(ports):
+            builder.Connect(port, joined.get_input_port(number))
+        builder.Connect(joined.get_output_port(), system.GetInputPort("signals"))
+    propellers = [
+        PropellerInfo(
+            body_index=body.index(),
+            X_BP=RigidTransform(RotationMatrix.MakeFromOneVector(axis, 2), np.zeros(3)),
+            thrust_ratio=thrust,
+            moment_ratio=1.0 - thrust,
+        )
+        for body in system.bodies
+        for thrust in (0.0, 1.0)
+        for axis in np.eye(3)
+    ]
+    applied = builder.AddNamedSystem("forces/propellers", Propeller(propellers))
+    builder.Connect(plant.get_body_poses_output_port(), applied.get_body_poses_input_port())
+    builder.Connect(system.GetOutputPort("wrenches"), applied.get_command_input_port())
+    forces: OutputPort = applied.get_spatial_forces_output_port()
+    return forces

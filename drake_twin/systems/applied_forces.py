@@ -1,0 +1,80 @@
+"""The forces of all controllers that exert some, as one system."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.framework import BasicVector, Context
+
+from drake_twin.controllers.body_forces import BodyForces, Motion
+from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
+
+
+class AppliedForces(WitnesslessSystem):
+    """Sum up the wrenches of all kinds of forces on each body.
+
+    It reads the motion of the bodies from a context of its own, in which it sets the plant's state: the plant's ports
+    would carry the motion of all bodies, at a quarter of a microsecond each.
+
+    .. pydrake_system::
+
+        name: AppliedForces
+        input_ports:
+        - state
+        - signals
+        output_ports:
+        - wrenches
+
+    - ``state``: the plant's ``[q; v]``.
+    - ``signals``: the controllers' ports ``signals``, one after the other, kind by kind.
+    - ``wrenches``: for each of the `bodies` the wrench about its origin, in its own axes: N·m, then N.
+
+    Args:
+        plant: The finalized plant.
+        kinds: The forces and how many signals each takes.
+
+    Attributes:
+        bodies: The bodies on which forces act.
+    """
+
+    def __init__(self, plant: MultibodyPlant, kinds: Sequence[tuple[BodyForces, int]]):
+        super().__init__()
+        self._plant, self._context = plant, plant.CreateDefaultContext()
+        indices = sorted({int(body.index()) for forces, _ in kinds for body in forces.bodies})
+        self.bodies = [plant.get_body(BodyIndex(index)) for index in indices]
+        place = {index: number for number, index in enumerate(indices)}
+        self._kinds, end = [], 0
+        for forces, size in kinds:
+            places = np.array([place[int(body.index())] for body in forces.bodies])
+            sums = np.zeros((len(indices), len(places)))
+            sums[places, np.arange(len(places))] = 1.0
+            self._kinds.append((forces, places, sums, slice(end, end + size)))
+            end += size
+        self._poses = np.zeros((len(indices), 3, 4))
+        self._velocities = np.zeros((len(indices), 6))
+        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        self._signals = self.DeclareVectorInputPort("signals", end) if end else None
+        self.DeclareVectorOutputPort("wrenches", 6 * len(indices), weakly(self._calc))
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        state, signals = self._state.Eval(context), None
+        if self._signals is not None:
+            signals = self._signals.Eval(context)
+        self._plant.SetPositionsAndVelocities(self._context, state)
+        for number, body in enumerate(self.bodies):
+            self._poses[number] = body.EvalPoseInWorld(self._context).GetAsMatrix34()
+            self._velocities[number] = body.EvalSpatialVelocityInWorld(self._context).get_coeffs()
+        R_WB = self._poses[:, :, :3]
+        # Rows times a rotation are the columns of its inverse: the velocities in the bodies' own axes.
+        V_B = (self._velocities.reshape(-1, 2, 3) @ R_WB).reshape(-1, 6)
+        time = context.get_time() + self._plant.time_step() / 2
+        total = np.zeros((len(self.bodies), 6))
+        for forces, places, sums, part in self._kinds:
+            motion = Motion(time, R_WB[places], self._poses[places, :, 3], V_B[places], state)
+            total += sums @ forces.wrenches(motion, _NO_SIGNALS if signals is None else signals[part])
+        output.SetFromVector(total.ravel())
+
+
+_NO_SIGNALS = np.zeros(0)
