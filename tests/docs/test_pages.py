@@ -38,7 +38,7 @@ def test_the_controller_that_contributors_are_shown_has_forty_lines():
 
 # What draws each picture of the pages.
 DRAWN_BY = {
-    "diagrams/two_rovers.png": "tests/docs/draw_page.py",
+    "drake_twin/docs/two_rovers.png": "tests/docs/draw_page.py",
     "diagrams/two_rovers.svg": "drake_twin/diagram/picture.py",  # python -m drake_twin.run FILE --graphviz PICTURE
     "drake_twin/docs/panels.png": "tests/docs/draw_panel.py",
     "drake_twin/docs/rovers_and_arm.webp": "tests/docs/draw_page.py",
@@ -55,7 +55,7 @@ def test_every_picture_is_drawn_by_a_program_of_the_repository():
     ready_made = [*(ROOT / "diagrams").glob("*.yaml"), *(ROOT / "diagrams").glob("*.launch.*")]
     diagrams = {f"diagrams/{file.name.partition('.')[0]}.svg" for file in ready_made}  # tests/diagram compares them
     assert shown == set(DRAWN_BY)
-    assert there == diagrams | {"diagrams/two_rovers.png"}
+    assert there == diagrams | {"drake_twin/docs/two_rovers.png"}
     places = {"tests": ROOT, "drake_twin": Path(drake_twin.__file__).parents[1]}  # which may be installed elsewhere
     assert all((places[program.partition("/")[0]] / program).is_file() for program in DRAWN_BY.values())
 
