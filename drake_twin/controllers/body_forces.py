@@ -61,23 +61,46 @@ class RobotBody:
         return np.array(self.plant.gravity_field().gravity_vector())
 
 
-@dataclass(frozen=True)
 class Motion:
-    """How bodies move at one time.
+    """How bodies move at one time. What is not asked for is not gathered; what is asked for twice is gathered twice.
+
+    Args:
+        time: The time (s); of a plant with steps the middle of the step, since forces are constant in it.
+        state: The plant's ``[q; v]``.
+        poses: The pose X_WB of each body that forces act on (m×3×4, m).
+        velocities: Its velocity, in its own axes (m×6): angular (rad/s), then that of its origin (m/s).
+        places: The index there of each body that is meant (n).
 
     Attributes:
-        time: The time (s); of a plant with steps the middle of the step, since forces are constant in it.
-        R_WB: The orientation of each body, shape (n, 3, 3).
-        origins: The place of its origin in the world frame (n×3, m).
-        V_B: Its velocity, in its own axes (n×6): angular (rad/s), then that of its origin (m/s).
+        time: The time (s).
         state: The plant's ``[q; v]``.
     """
 
-    time: float
-    R_WB: np.ndarray
-    origins: np.ndarray
-    V_B: np.ndarray
-    state: np.ndarray
+    __slots__ = ("_places", "_poses", "_velocities", "state", "time")
+
+    def __init__(
+        self, time: float, state: np.ndarray, poses: np.ndarray, velocities: np.ndarray, places: np.ndarray | slice
+    ):
+        self.time, self.state = time, state
+        self._poses, self._velocities, self._places = poses, velocities, places
+
+    @property
+    def R_WB(self) -> np.ndarray:
+        """The orientation of each body, shape (n, 3, 3)."""
+        rotations: np.ndarray = self._poses[self._places, :, :3]
+        return rotations
+
+    @property
+    def origins(self) -> np.ndarray:
+        """The place of its origin in the world frame (n×3, m)."""
+        origins: np.ndarray = self._poses[self._places, :, 3]
+        return origins
+
+    @property
+    def V_B(self) -> np.ndarray:
+        """Its velocity, in its own axes (n×6): angular (rad/s), then that of its origin (m/s)."""
+        velocities: np.ndarray = self._velocities[self._places]
+        return velocities
 
 
 class BodyForces(ABC):

@@ -72,7 +72,7 @@ class AppliedForces(WitnesslessSystem):
         time = context.get_time() + self._plant.time_step() / 2
         total = np.zeros((len(self.bodies), 6))
         for forces, places, sums, part in self._kinds:
-            motion = Motion(time, R_WB[places], self._poses[places, :, 3], V_B[places], state)
+            motion = Motion(time, state, self._poses, V_B, places)
             total += sums @ forces.wrenches(motion, _NO_SIGNALS if signals is None else signals[part])
         output.SetFromVector(total.ravel())
 

@@ -1,4 +1,4 @@
-"""Quadcopters of gz-sim's systems beside mechanics: rotors with a lag, drag, moments, and velocities that are followed."""
+"""Quadcopters of gz-sim's systems beside mechanics: rotors with a lag, drag, moments, velocities that are followed."""
 
 from math import exp, hypot
 
