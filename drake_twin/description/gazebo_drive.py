@@ -45,6 +45,7 @@ DETACHABLE_JOINT = "gz_sim/DetachableJoint"
 JOINT_PID = "gz_sim/JointPidController"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
+LIFT_DRAG = "gz_sim/LiftDrag"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
