@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from controller_parameters import parameters_of
 from device_harness import ROBOT, Running, setup_of
-from pydrake.math import RollPitchYaw
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import PrismaticJoint, RevoluteJoint, SpatialInertia
+from moving_links import plant_of_hand, position_of, rotation, wrenches_of
 
-from drake_twin.controllers.body_forces import Motion, RobotBody
 from drake_twin.controllers.lift_drag import LiftDrag, WingForces
 from drake_twin.description.gazebo_drive import LIFT_DRAG
 from drake_twin.errors import InputError
@@ -26,27 +23,11 @@ def wing(**given):
 
 @pytest.fixture(scope="module")
 def plant():
-    plant = MultibodyPlant(0.01)
-    palm, *fingers = (
-        plant.AddRigidBody(name, SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)) for name in ROBOT.links
-    )
-    for joint, link in zip(ROBOT.joints, fingers, strict=True):
-        kind = PrismaticJoint if joint.type == "prismatic" else RevoluteJoint
-        plant.AddJoint(kind(joint.name, palm.body_frame(), link.body_frame(), [1.0, 0.0, 0.0]))
-    plant.Finalize()
-    return plant
+    return plant_of_hand()
 
 
-def wrenches(plant, wings, linear, angular=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0), wind=(0.0, 0.0, 0.0), active=1.0):
-    """Of each wing on its link, in the link's axes; the velocities are in the world's."""
-    body = RobotBody(plant, plant.GetBodyByName("palm").model_instance(), wind)
-    forces, count = WingForces([(item, body) for item in wings]), len(wings)
-    R = RollPitchYaw(*rpy).ToRotationMatrix().matrix()
-    V_B = np.concatenate([R.T @ angular, R.T @ linear])
-    state = np.linspace(0.1, 0.9, plant.num_multibody_states())
-    poses = np.array([np.column_stack([R, np.zeros(3)])])
-    motion = Motion(0.0, state, poses, V_B[None, :], np.zeros(count, dtype=int))
-    return forces.wrenches(motion, np.full(count, active))
+def wrenches(plant, wings, *motion, **more):
+    return wrenches_of(WingForces, plant, wings, *motion, **more)
 
 
 def coefficients(wing, alpha):
@@ -66,7 +47,7 @@ def coefficients(wing, alpha):
 
 def expected(plant, wing, linear, angular, rpy, wind):
     """The same as `wrenches` for one wing, by projections in the world frame."""
-    R = RollPitchYaw(*rpy).ToRotationMatrix().matrix()
+    R = rotation(rpy)
     cp = R @ wing.cp
     v = np.subtract(np.add(linear, np.cross(angular, cp)), wind)
     forward = R @ wing.forward / np.linalg.norm(wing.forward)
@@ -89,8 +70,7 @@ def expected(plant, wing, linear, angular, rpy, wind):
         alpha += pi
     lift, drag, moment = (value * cos(sweep) ** 2 for value in coefficients(wing, alpha))
     if wing.control_joint_name:
-        start = plant.GetJointByName(wing.control_joint_name).position_start()
-        position = np.linspace(0.1, 0.9, plant.num_multibody_states())[start]
+        position = position_of(plant, wing.control_joint_name)
         lift += wing.control_joint_rad_to_cl * position
         moment += wing.cm_delta * position
     size = 0.5 * wing.air_density * speed**2 * wing.area

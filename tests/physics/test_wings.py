@@ -4,34 +4,19 @@ from math import atan2, cos, hypot, sin, sqrt, tanh
 
 import numpy as np
 import pytest
+from flyers import FLAP, RHO, STEPS, G, deflect, flyer, plugin
 
-from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
-from drake_twin.scenario import World
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.replay import replay
-
-G, RHO = 9.8, 1.2041
-STEPS = pytest.mark.parametrize("time_step", [0.001, 0.01])
-
-LINK = """<link name="{name}"><inertial><mass>{mass}</mass><inertia><ixx>{ixx}</ixx><iyy>{iyy}</iyy><izz>{izz}</izz>
-</inertia></inertial></link>"""
-PLUGIN = """<plugin filename="gz-sim-lift-drag-system" name="gz::sim::systems::LiftDrag">
-<link_name>body</link_name>{values}</plugin>"""
 
 
 @pytest.fixture
 def fly(tmp_path):
     """Builds a twin of a body of 2 kg with wings, each a mapping of elements; gravity in m/s² downwards."""
 
-    def build(*wings, gravity=0.0, inertia=(0.5, 0.8, 1.2), more="", time_step=0.01, pitch=0.0):
-        ixx, iyy, izz = inertia
-        parts = LINK.format(name="body", mass=2.0, ixx=ixx, iyy=iyy, izz=izz) + more
-        for wing in wings:
-            parts += PLUGIN.format(values="".join(f"<{tag}>{value}</{tag}>" for tag, value in wing.items()))
-        (tmp_path / "flyer.sdf").write_text(f'<sdf version="1.9"><model name="flyer">{parts}</model></sdf>')
-        builder = TwinBuilder(world=World(gravity=(0.0, 0.0, -gravity)), time_step=time_step)
-        return builder.robot("flyer", tmp_path / "flyer.sdf", xyz=(0, 0, 500), rpy=(0, pitch, 0)).build()
+    def build(*wings, **more):
+        return flyer(tmp_path, "".join(plugin("LiftDrag", wing) for wing in wings), **more)
 
     return build
 
@@ -123,17 +108,11 @@ def test_a_glider_with_a_tail_flies_at_its_glide_ratio(fly, time_step):
     assert 2 * atan2(state.orientation[2], state.orientation[0]) == pytest.approx(pitch, abs=0.002)
 
 
-HINGE = """<joint name="hinge" type="revolute"><parent>body</parent><child>flap</child>
-<axis><xyz>0 1 0</xyz></axis></joint>"""
-FLAP = LINK.format(name="flap", mass=1e-3, ixx=1e-6, iyy=1e-6, izz=1e-6) + HINGE
-
-
 @STEPS
 def test_a_control_surface_adds_lift_and_moment(fly, time_step):
     surface = {"control_joint_name": "hinge", "control_joint_rad_to_cl": 2.5, "cm_delta": -0.3}
     twin, deflection = fly({**WING, **surface}, more=FLAP, time_step=time_step), 0.2
-    plant, context = twin.plant, twin.plant.GetMyMutableContextFromRoot(twin.context)
-    plant.GetJointByName("hinge").set_angle(context, deflection)
+    deflect(twin, deflection)
     twin.entities.set_state("flyer", linear=(10.0, 0.0, 0.0))
     twin.advance_to(time_step)
     size, state = 0.5 * RHO * 100 * 0.6, twin.entities.state("flyer")
@@ -159,7 +138,7 @@ def test_a_value_that_cannot_be_names_the_file_and_its_line(fly, tmp_path):
     with pytest.raises(InputError) as caught:
         fly({"area": -2})
     what = "<plugin filename='gz-sim-lift-drag-system'>: <area> is -2, and has to be zero or more."
-    assert str(caught.value) == f"{tmp_path}/flyer.sdf:2: {what}"
+    assert str(caught.value) == f"{tmp_path}/flyer.sdf:3: {what}"
 
 
 def test_a_run_goes_on_from_a_snapshot_a_rebuild_and_a_recording_to_the_same_bits(tmp_path, fly):
