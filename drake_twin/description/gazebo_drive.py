@@ -45,6 +45,8 @@ DETACHABLE_JOINT = "gz_sim/DetachableJoint"
 JOINT_PID = "gz_sim/JointPidController"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
+LIFT_DRAG = "gz_sim/LiftDrag"
+ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

@@ -40,9 +40,9 @@ from drake_twin.values import is_true
 _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
 
 # Elements of a world that are used; and those that are not worth a finding.
-_USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates"}
+_USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates", "wind"}
 _OF_SCENE = ("background", "shadows")
-_SILENT = {"atmosphere", "light", "wind", "audio"}
+_SILENT = {"atmosphere", "light", "audio"}
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class WorldFile:
         models: The models, in file order.
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
-        surroundings: Where on Earth it is, and its magnetic field.
+        surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
     """
 
     name: str
