@@ -1,6 +1,6 @@
 """An SDF world (``.world``, ``.sdf``) as plain, frozen data: gravity, the physics step, and the models in it.
 
-What the twin cannot use (plugins, scene, GUI, …) is left out with one finding for each kind; so is a
+What the twin cannot use (most plugins, scene, GUI, …) is left out with one finding for each kind; so is a
 model that cannot be found. Poses are in the world frame.
 """
 
@@ -29,6 +29,7 @@ from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
+from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
@@ -96,6 +97,7 @@ class WorldFile:
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
         surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
+        plugins: Its plugins that exert forces on what moves.
     """
 
     name: str
@@ -105,6 +107,7 @@ class WorldFile:
     findings: tuple[Finding, ...] = ()
     file: Path | None = None
     surroundings: Surroundings = field(default_factory=Surroundings)
+    plugins: tuple[WorldPlugin, ...] = ()
 
 
 def read_world(
@@ -192,6 +195,8 @@ class _World:
         wrong = unread_in_world(self._reader, world)
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
+        of_plugins = list(read_world_plugins(self._reader, world))
+        self._findings += (item for item in of_plugins if isinstance(item, Finding))
         physics = next(
             (item for item in world.findall("physics") if is_true(item.get("default"))), world.find("physics")
         )
@@ -210,6 +215,7 @@ class _World:
             ),
             file=self._reader.file,
             surroundings=surroundings,
+            plugins=tuple(item for item in of_plugins if isinstance(item, WorldPlugin)),
         )
 
     def _lose(self, error: InputError) -> None:
@@ -356,7 +362,8 @@ class _World:
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
                 plugin = GazeboPlugin(child.get("filename", ""), child.get("name", ""))
-                if plugin_kind(plugin) in DONE_HERE or misspelt_plugin(plugin):  # `unread` says so
+                is_done = plugin_kind(plugin) in DONE_HERE or is_world_plugin(plugin)
+                if is_done or misspelt_plugin(plugin):  # `unread` says so
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename') or '?'}"
             yield f"{what} of the world", child
