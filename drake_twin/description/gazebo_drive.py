@@ -19,14 +19,18 @@ in a module that a program imports, or that the entry-point group ``drake_twin.g
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.controllers_yaml import ControllerParameters
+from drake_twin.description.gazebo_plugins import CannotWorkError as CannotWorkError
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, ros_topic
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 from drake_twin.extensions import Registry
+
+if TYPE_CHECKING:
+    from drake_twin.description.triggers import Trigger
 
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
 
@@ -47,6 +51,7 @@ ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
 LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
+TRIGGERED_PUBLISHER = "gz_sim/TriggeredPublisher"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
@@ -94,6 +99,7 @@ class GazeboDrive:
         is_part: Whether the controller of another plugin does its work.
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
+        trigger: What the twin does when it hears a message, of a plugin that does nothing else.
     """
 
     plugin: GazeboPlugin
@@ -114,10 +120,7 @@ class GazeboDrive:
     is_part: bool = False
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
-
-
-class CannotWorkError(Exception):
-    """Raised for a plugin that Gazebo would load, but that would do nothing; the message says why."""
+    trigger: "Trigger | None" = None
 
 
 class DrivePlugin(PluginReader):

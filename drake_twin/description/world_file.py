@@ -97,7 +97,7 @@ class WorldFile:
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
         surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
-        plugins: Its plugins that exert forces on what moves.
+        plugins: Its plugins that exert forces on what moves, or publish messages when they hear one.
     """
 
     name: str

@@ -44,7 +44,8 @@ class Graph(Group, path="twin.graph"):
         built = self._session.built
         published = {item.topic: item.type for item in built.published.values()}
         published = {item.name: item.type for item in self.events.endpoints} | published
-        return published | {item.topic: item.type for item in built.commanded.values()}
+        heard = {item.name: item.type for item in self._session.triggers.endpoints}
+        return published | heard | {item.topic: item.type for item in built.commanded.values()}
 
     def actions(self) -> dict[str, str]:
         """Return action → ROS action type."""
@@ -65,7 +66,7 @@ class Graph(Group, path="twin.graph"):
         built, (diagram, known) = self._session.built, self._endpoints
         if diagram is not built.diagram:
             more = (item for item in self.events.endpoints if item.name not in built.published)
-            new = *endpoints_of(built), *more
+            new = *endpoints_of(built), *self._session.triggers.endpoints, *more
             self._endpoints = built.diagram, known if new == known else new
         return self._endpoints[1]
 
@@ -107,6 +108,10 @@ class Graph(Group, path="twin.graph"):
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
+        if session.triggers.hears(topic):
+            session.triggers.hear(topic, data)
+            if item is None:
+                return
         item = item or self.command_topic(topic)
         heard, refused = False, None
         for port in session.physics.built.listeners[item.topic]:
@@ -145,9 +150,13 @@ class Graph(Group, path="twin.graph"):
         Raises:
             InputError: If no controller listens to the topic, or its controller refuses the data.
         """
+        session = self._session
+        if session.triggers.hears(topic) and topic not in session.built.commanded:
+            session.triggers.check(topic, data)
+            return
         item = self.command_topic(topic)
         try:
-            self._session.controls[item.robot].read(item, data)
+            session.controls[item.robot].read(item, data)
         except CommandError as error:
             raise error.about(topic) from None
 
@@ -185,7 +194,8 @@ class Graph(Group, path="twin.graph"):
         Raises:
             InputError: If no controller listens to the topic.
         """
-        self._session.commands.silenced.add(self.command_topic(topic).topic)
+        is_heard = self._session.triggers.hears(topic)
+        self._session.commands.silenced.add(topic if is_heard else self.command_topic(topic).topic)
 
     @recorded("send_goal")
     def send_goal(self, action: str, goal: Any, on_result: Callable[[ActionGoal], None] | None = None) -> ActionGoal:
@@ -278,9 +288,11 @@ class Graph(Group, path="twin.graph"):
         return None if is_of_diagram else self.events.get(topic)
 
     def feed(self, subscriptions: Subscriptions) -> None:
-        """Let subscriptions take their messages from here."""
+        """Let subscriptions take their messages from here, and triggers give theirs."""
+        self._session.triggers.publish = self.deliver
         subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
         subscriptions.read, subscriptions.publication, subscriptions.draft = self._read, self._publication, self._draft
+        subscriptions.use(self._session.clock.time_step)  # hears the ports of those that there are already
 
     def _publication(self, topic: str, reading: Reading) -> Any:
         item = self._session.physics.built.published.get(topic)

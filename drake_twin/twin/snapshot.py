@@ -16,7 +16,13 @@ from drake_twin.typed_data import field_types, misfit
 from drake_twin.values import is_number
 from drake_twin.versions import SAVED_STATE
 
-_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters"}  # entries that are left out where they are empty
+_OPTIONAL = {
+    "systems",
+    "pushes",
+    "delayed",
+    "later_parameters",
+    "triggered",
+}  # entries that are left out where they are empty
 
 
 @saved("Snapshot")
@@ -42,6 +48,8 @@ class Snapshot:
         pushes: The scenario's pushes that are still to come.
         delayed: The messages that are under way to robots with a command delay: time of arrival, topic and message.
         later_parameters: Robot → node → what has been set of its parameters and is not followed yet.
+        triggered: What publishes messages later, as it has heard one: the time (s), its robot or an empty text for the
+            world, and its number there.
 
     Raises:
         InputError: If an entry is invalid.
@@ -64,6 +72,7 @@ class Snapshot:
     pushes: list[Any] = field(default_factory=list)
     delayed: list[tuple[float, str, Any]] = field(default_factory=list)
     later_parameters: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    triggered: list[tuple[float, str, int]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():
@@ -74,6 +83,7 @@ class Snapshot:
             "next_time_step": [] if self.next_time_step is None else [self.next_time_step],
             "expiries": self.expiries.values(),
             "delayed": [time for time, *_ in self.delayed],
+            "triggered": [time for time, *_ in self.triggered],
         }
         counts: dict[str, Iterable[float]] = {"step": [self.step], "schedule": self.schedule}
         for name, values in (numbers | counts).items():
