@@ -52,6 +52,8 @@ MULTICOPTER = "gz_sim/Multicopter"
 LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
 TRIGGERED_PUBLISHER = "gz_sim/TriggeredPublisher"
+KINETIC_ENERGY_MONITOR = "gz_sim/KineticEnergyMonitor"
+LINEAR_BATTERY = "gz_sim/LinearBattery"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
