@@ -101,7 +101,7 @@ class GazeboDrive:
         is_part: Whether the controller of another plugin does its work.
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
-        trigger: What the twin does when it hears a message, of a plugin that does nothing else.
+        triggers: What the twin publishes when it hears messages, beside the controller or without one.
     """
 
     plugin: GazeboPlugin
@@ -122,7 +122,7 @@ class GazeboDrive:
     is_part: bool = False
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
-    trigger: "Trigger | None" = None
+    triggers: "tuple[Trigger, ...]" = ()
 
 
 class DrivePlugin(PluginReader):

@@ -75,7 +75,8 @@ GZ_TYPES: dict[str, GzType] = {
         "sensor_msgs/msg/FluidPressure", {"pressure": ("fluid_pressure", FLOAT), "variance": ("variance", FLOAT)}
     ),
     "BatteryState": GzType(
-        "sensor_msgs/msg/BatteryState", _same(voltage=FLOAT, current=FLOAT, charge=FLOAT, capacity=FLOAT)
+        "sensor_msgs/msg/BatteryState",
+        _same(voltage=FLOAT, current=FLOAT, charge=FLOAT, capacity=FLOAT, percentage=FLOAT),
     ),
     "Contacts": GzType("ros_gz_interfaces/msg/Contacts"),
     "LaserScan": GzType("sensor_msgs/msg/LaserScan"),

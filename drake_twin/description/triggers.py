@@ -19,6 +19,7 @@ from drake_twin.description.plugin_element import PluginElement
 from drake_twin.findings import Place
 from drake_twin.values import parse_number
 
+ANY_TYPE = ""
 _TOLERANCE = 1e-8
 _LOGIC = ("positive", "negative")
 
@@ -58,7 +59,7 @@ class Trigger:
     Attributes:
         name: The plugin's name.
         topic: The topic that it hears, with a leading slash: gz's, or after planning that of ROS.
-        type: Its ROS type.
+        type: Its ROS type; `ANY_TYPE` for any.
         matches: The conditions; all have to hold.
         delay: The time until it publishes (s).
         messages: What it publishes then.

@@ -65,7 +65,7 @@ def plan_robot(
         sensors=sensors,
         frame_prefix=prefix,
         findings=Findings(replace(item, robot=robot.name, file=item.file or str(file)) for item in findings),
-        triggers=tuple(item.trigger for item in plugins if item.trigger is not None),
+        triggers=tuple(trigger for item in plugins for trigger in item.triggers),
     )
 
 

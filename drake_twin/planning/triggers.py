@@ -1,6 +1,6 @@
 """The topics in ROS of what publishes messages when it hears one."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -67,10 +67,14 @@ def plan_triggers(
         found = dict.fromkeys(ros for gz, ros in known if is_same_topic(gz, topic))
         return tuple(found) or (bridged.get(topic, topic),)
 
-    return tuple(
-        OwnedTrigger(owner, number, _with_topics(trigger, in_ros), in_ros(trigger.topic))
-        for owner, number, trigger in owned
-    )
+    def planned(owner: str, number: int, trigger: "Trigger") -> OwnedTrigger:
+        heard = in_ros(of_model(trigger.topic, owner))
+        told = (
+            replace(item, topic=topic) for item in trigger.messages for topic in in_ros(of_model(item.topic, owner))
+        )
+        return OwnedTrigger(owner, number, replace(trigger, topic=heard[0], messages=tuple(told)), heard)
+
+    return tuple(planned(*item) for item in owned)
 
 
 def about_triggers(
@@ -85,7 +89,8 @@ def about_triggers(
     """
     for item in triggers:
         trigger = item.trigger
-        known = [(topic, trigger.type, published.get(topic, heard.get(topic, trigger.type))) for topic in item.topics]
+        topics = item.topics if trigger.type else ()
+        known = [(topic, trigger.type, published.get(topic, heard.get(topic, trigger.type))) for topic in topics]
         known += [
             (message.topic, message.type, heard[message.topic])
             for message in trigger.messages
@@ -106,12 +111,6 @@ def as_type(kind: str, message: "TriggeredMessage") -> Any:
 
 def _is_like(kind: str, other: str) -> bool:
     return kind == other or (kind, other) in ((_STAMPED, _TWIST), (_NUMBERS, _NUMBER))
-
-
-def _with_topics(trigger: "Trigger", in_ros: Callable[[str], tuple[str, ...]]) -> "Trigger":
-    """Return a trigger with a message for each topic in ROS."""
-    messages = (replace(item, topic=topic) for item in trigger.messages for topic in in_ros(item.topic))
-    return replace(trigger, topic=in_ros(trigger.topic)[0], messages=tuple(messages))
 
 
 def _of_drives(plans: Iterable[RobotPlan]) -> Iterator[tuple[str, str]]:

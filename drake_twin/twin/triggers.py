@@ -7,6 +7,7 @@ in the thread that advances the twin, so that a run repeats to the last bit.
 
 import logging
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
 
 from drake_twin.diagram.topics import PublishedTopic
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
+_ANY, _TYPE_OF_ANY = "", "std_msgs/msg/Bool"  # of a trigger that hears any type, and of a topic that no other has
 _DEPTH = 10
 _MOST_PENDING = 10_000
 
@@ -83,7 +85,7 @@ class Triggers:
             self._ends.pop(topic)()
         for topic in sorted((self._by_topic.keys() & published.keys()) - self._ends.keys()):
             self._ends[topic] = self._follow(topic)
-        heard = {topic: items[0].trigger.type for topic, items in self._by_topic.items() if topic not in published}
+        heard = {topic: self._type(topic) for topic in self._by_topic if topic not in published}
         self.endpoints = tuple(
             Endpoint(COMMANDED, topic, type_, TWIN_NODE) for topic, type_ in heard.items() if topic not in self._types
         )
@@ -109,10 +111,12 @@ class Triggers:
         Raises:
             CommandError: If the message does not fit the topic.
         """
-        kind = self._by_topic[topic][0].trigger.type
-        if self._types.get(topic, kind) != kind:  # what controllers hear there is of another type
+        if topic not in self._types:
+            self._take(topic, self.check(topic, data))
             return
-        self._take(topic, self.check(topic, data))
+        fields = data if isinstance(data, Mapping) or hasattr(data, "__msgtype__") else {"data": data}
+        with suppress(TypeError, ValueError):  # its controller may refuse it
+            self._take(topic, make(self._types[topic], fields))
 
     def check(self, topic: str, data: Any) -> Any:
         """Return data as a message of a topic.
@@ -121,15 +125,21 @@ class Triggers:
             CommandError: If it does not fit the topic.
         """
         try:
-            return make(self._by_topic[topic][0].trigger.type, data)
+            return make(self._type(topic), data)
         except (TypeError, ValueError) as error:
             raise CommandError(str(error)).about(topic) from None
+
+    def _type(self, topic: str) -> str:
+        """Return the type of a topic that nothing but triggers has in the twin."""
+        types = (item.trigger.type for item in self._by_topic[topic] if item.trigger.type)
+        return next(types, _TYPE_OF_ANY)
 
     def _take(self, topic: str, message: Any) -> None:
         """Note what a message triggers."""
         kind = message.__msgtype__
         for item in self._by_topic.get(topic, ()):
-            if item.trigger.type == kind and item.trigger.hears(message) and len(self.pending) < _MOST_PENDING:
+            is_heard = item.trigger.type in (kind, _ANY) and item.trigger.hears(message)
+            if is_heard and len(self.pending) < _MOST_PENDING:
                 self.pending.append((self._clock.time + item.trigger.delay, item.owner, item.number))
 
     def apply(self) -> None:
