@@ -2,8 +2,8 @@
 
 A kind of them is two classes in one file: a `ForceController`, one for each robot, with its parameters and topics, and
 its `BodyForces`, which computes in NumPy what all controllers of the kind exert, in one call for each evaluation. One
-system of the diagram, `drake_twin.systems.applied_forces.AppliedForces`, reads the motion of the bodies once for all
-kinds, and Drake's own `Propeller` applies the sums.
+system of the diagram, `drake_twin.controllers.applied_forces.AppliedForces`, reads the motion of the bodies once for
+all kinds, and Drake's own `Propeller` applies the sums.
 """
 
 from abc import ABC, abstractmethod
