@@ -30,6 +30,7 @@ from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
 from drake_twin.description.world_sensors import SensorsOfModel
+from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -96,6 +97,7 @@ class WorldFile:
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
         surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
+        wrench_systems: The plugins that exert forces on links.
     """
 
     name: str
@@ -105,6 +107,7 @@ class WorldFile:
     findings: tuple[Finding, ...] = ()
     file: Path | None = None
     surroundings: Surroundings = field(default_factory=Surroundings)
+    wrench_systems: tuple[WrenchSystem, ...] = ()
 
 
 def read_world(
@@ -192,6 +195,7 @@ class _World:
         wrong = unread_in_world(self._reader, world)
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
+        wrench_systems = tuple(read_wrench_systems(self._reader, world, self._lose))
         physics = next(
             (item for item in world.findall("physics") if is_true(item.get("default"))), world.find("physics")
         )
@@ -210,6 +214,7 @@ class _World:
             ),
             file=self._reader.file,
             surroundings=surroundings,
+            wrench_systems=wrench_systems,
         )
 
     def _lose(self, error: InputError) -> None:
@@ -356,7 +361,7 @@ class _World:
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
                 plugin = GazeboPlugin(child.get("filename", ""), child.get("name", ""))
-                if plugin_kind(plugin) in DONE_HERE or misspelt_plugin(plugin):  # `unread` says so
+                if plugin_kind(plugin) in DONE_HERE | {WRENCH_SYSTEM} or misspelt_plugin(plugin):  # `unread` says so
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename') or '?'}"
             yield f"{what} of the world", child
