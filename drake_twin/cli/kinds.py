@@ -27,10 +27,11 @@ def _registries() -> Iterator[Registry[Any]]:
     from drake_twin.controllers.registry import CONTROLLERS
     from drake_twin.description.gazebo_drive import GAZEBO_PLUGINS
     from drake_twin.description.repairs import REPAIRS
+    from drake_twin.description.world_plugins import WORLD_PLUGINS
     from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
     from drake_twin.sensors.registry import SENSORS
     from drake_twin.services.registry import OF_ROBOT, OF_TWIN
     from drake_twin.wires.registry import WIRES
 
-    yield from (CONTROLLERS, SENSORS, GAZEBO_PLUGINS, REPAIRS, ACTIONS, SUBSTITUTIONS)
+    yield from (CONTROLLERS, SENSORS, GAZEBO_PLUGINS, WORLD_PLUGINS, REPAIRS, ACTIONS, SUBSTITUTIONS)
     yield from (OF_TWIN, OF_ROBOT, WIRES, PANEL_KINDS, OVERLAY_KINDS)

@@ -26,6 +26,7 @@ from drake_twin.description.used_elements import (
     Part,
     weight_of,
 )
+from drake_twin.description.world_plugins import is_world_plugin
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import did_you_mean
 from drake_twin.findings import Cause, Finding, Kind, merged
@@ -157,6 +158,9 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[_Unread]:
     called = f"{name} ({filename})" if name and filename else name or filename or "?"
     kind = plugin_kind(GazeboPlugin(filename, name))
     if kind in SENSOR_PLUGINS or kind in DONE_HERE:
+        return
+    if is_world_plugin(GazeboPlugin(filename, name)):
+        yield plugin, f"Gazebo plugin {called}", ": it does something in a <world> alone"
         return
     absent = "the twin has no such plugin" + did_you_mean(filename.rpartition("/")[2], known_libraries(), 0.85)
     yield plugin, f"Gazebo plugin {called}", f": {_reason(_PLUGINS, filename + name, absent)}"

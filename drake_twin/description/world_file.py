@@ -1,6 +1,6 @@
 """An SDF world (``.world``, ``.sdf``) as plain, frozen data: gravity, the physics step, and the models in it.
 
-What the twin cannot use (plugins, scene, GUI, …) is left out with one finding for each kind; so is a
+What the twin cannot use (most plugins, scene, GUI, …) is left out with one finding for each kind; so is a
 model that cannot be found. Poses are in the world frame.
 """
 
@@ -29,6 +29,7 @@ from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
+from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
@@ -97,7 +98,8 @@ class WorldFile:
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
         surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
-        wrench_systems: The plugins that exert forces on links.
+        wrench_systems: Its plugins that push single links by topics.
+        plugins: Its plugins that exert forces on what moves.
     """
 
     name: str
@@ -108,6 +110,7 @@ class WorldFile:
     file: Path | None = None
     surroundings: Surroundings = field(default_factory=Surroundings)
     wrench_systems: tuple[WrenchSystem, ...] = ()
+    plugins: tuple[WorldPlugin, ...] = ()
 
 
 def read_world(
@@ -196,6 +199,8 @@ class _World:
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
         wrench_systems = tuple(read_wrench_systems(self._reader, world, self._lose))
+        of_plugins = list(read_world_plugins(self._reader, world))
+        self._findings += (item for item in of_plugins if isinstance(item, Finding))
         physics = next(
             (item for item in world.findall("physics") if is_true(item.get("default"))), world.find("physics")
         )
@@ -215,6 +220,7 @@ class _World:
             file=self._reader.file,
             surroundings=surroundings,
             wrench_systems=wrench_systems,
+            plugins=tuple(item for item in of_plugins if isinstance(item, WorldPlugin)),
         )
 
     def _lose(self, error: InputError) -> None:
@@ -361,7 +367,8 @@ class _World:
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
                 plugin = GazeboPlugin(child.get("filename", ""), child.get("name", ""))
-                if plugin_kind(plugin) in DONE_HERE | {WRENCH_SYSTEM} or misspelt_plugin(plugin):  # `unread` says so
+                is_done = plugin_kind(plugin) in DONE_HERE | {WRENCH_SYSTEM} or is_world_plugin(plugin)
+                if is_done or misspelt_plugin(plugin):  # `unread` says so
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename') or '?'}"
             yield f"{what} of the world", child

@@ -12,24 +12,29 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, Output
 from pydrake.systems.primitives import ConstantValueSource, Multiplexer
 
 from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
+from drake_twin.controllers.world_forces import WorldForces
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments, bodies_that_gain_energy
 from drake_twin.findings import Finding, Kind
 from drake_twin.systems.applied_forces import AppliedForces
 
 # No robot has such names.
-_OF_CONTROLLERS = "forces/of_controllers"
+_ON_LINKS = "forces/on_links"
 _ALL = "forces/all"
 
 
 def apply_forces(
-    builder: DiagramBuilder, plant: MultibodyPlant, controllers: Sequence[tuple[ForceController, OutputPort]]
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    controllers: Sequence[tuple[ForceController, OutputPort]],
+    of_world: Sequence[WorldForces] = (),
 ) -> Iterator[Finding]:
-    """Apply the forces of controllers and the moments that tumbling bodies need, and leave a place for pushes.
+    """Apply the forces of controllers and the world and the moments that tumbling bodies need; leave room for pushes.
 
     Args:
         builder: The root diagram's builder.
         plant: The finalized plant.
         controllers: The controllers that exert forces, and their ports ``signals`` on their robots' diagrams.
+        of_world: The forces of plugins of the world.
 
     Yields:
         What keeps them from it.
@@ -40,8 +45,10 @@ def apply_forces(
             yield Finding(Kind.WARNING, f"{what}: in the air {bodies} gain energy where they tumble")
         if names := ", ".join(controller.setup.name for controller, _ in controllers):
             yield Finding(Kind.NOT_STARTED, f"{what}: {names} exert no forces")
+        if of_world:
+            yield Finding(Kind.NOT_STARTED, f"{what}: the plugins of the world exert no forces")
         return
-    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers)
+    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers, of_world)
     sources = [source for source in found if source is not None]
     if not sources:
         return
@@ -63,15 +70,17 @@ def wrench_port(diagram: Diagram, plant: MultibodyPlant) -> InputPort:
 
 
 def _forces_of(
-    builder: DiagramBuilder, plant: MultibodyPlant, controllers: Sequence[tuple[ForceController, OutputPort]]
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    controllers: Sequence[tuple[ForceController, OutputPort]],
+    of_world: Sequence[WorldForces],
 ) -> OutputPort | None:
-    """Add the system that computes the forces of controllers, and Drake's own that applies them."""
-    if not controllers:
-        return None
+    """Add the system that computes the forces of controllers and of the world, and Drake's own that applies them."""
     by_kind: dict[type[BodyForces], list[tuple[ForceController, OutputPort]]] = {}
     for controller, signals in controllers:
         by_kind.setdefault(controller.Forces, []).append((controller, signals))
-    kinds, ports = [], []
+    kinds: list[tuple[BodyForces, int]] = [(forces, 0) for forces in of_world if forces.bodies]
+    ports = []
     for kind, found in by_kind.items():
         sources: list[tuple[ForceController, RobotBody]] = []
         for controller, _ in found:
@@ -79,7 +88,9 @@ def _forces_of(
             sources.append((controller, controller.body))
         kinds.append((kind(sources), sum(signals.size() for _, signals in found)))
         ports += [signals for _, signals in found if signals.size()]
-    system = builder.AddNamedSystem(_OF_CONTROLLERS, AppliedForces(plant, kinds))
+    if not kinds:
+        return None
+    system = builder.AddNamedSystem(_ON_LINKS, AppliedForces(plant, kinds))
     builder.Connect(plant.get_state_output_port(), system.GetInputPort("state"))
     if ports:
         joined = builder.AddNamedSystem("forces/signals", Multiplexer([port.size() for port in ports]))

@@ -9,9 +9,10 @@ from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
-from pydrake.multibody.tree import ModelInstanceIndex, PrismaticSpring, RevoluteSpring
+from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.control.submerged import Solid
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
@@ -27,6 +28,7 @@ from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake,
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
+from drake_twin.diagram.solids import solids_of
 from drake_twin.diagram.world_in_plant import add_world, remove_actuators
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -69,7 +71,8 @@ class PlantOfTwin:
 
     ``world_models`` are the model instances of each moving model of the world that is not a robot, ``anchors`` the
     poses in the world of the frames of each static one that has sensors, ``shapes`` the contact of all collision
-    shapes, ``detachable_joints`` the joints that come and go.
+    shapes, ``detachable_joints`` the joints that come and go, ``solids`` the collision shapes of each body that have
+    a volume, where plugins of the world need them.
     """
 
     plant: MultibodyPlant
@@ -80,6 +83,7 @@ class PlantOfTwin:
     anchors: dict[str, dict[str, RigidTransform]]
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
+    solids: Mapping[BodyIndex, tuple[Solid, ...]]
 
     def has_model(self, name: str) -> bool:
         """Tell whether a model of the world, or one inside another, is not left out."""
@@ -130,6 +134,7 @@ def add_plant(
     with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
         models = _contact_models(plans, instances, scenario.world, world_models)
         warnings: list[str] = []
+        solids = solids_of(plant, scene_graph) if world_file is not None and world_file.plugins else {}
         shapes = give_contact(plant, scene_graph, models, scenario.world.contact, warnings)
         findings += [Finding(Kind.WARNING, warning) for warning in warnings]
         detachable = add_detachable_joints(plant, plans, instances, world_models, findings)
@@ -152,7 +157,7 @@ def add_plant(
         )
         for (name, instance), layout in zip(instances.items(), layouts.values(), strict=True)
     }
-    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable)
+    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable, solids)
 
 
 @contextmanager

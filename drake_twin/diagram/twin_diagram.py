@@ -31,6 +31,7 @@ from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
+from drake_twin.diagram.world_forces import forces_of_world
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.plans import plan_robots, world_of
@@ -248,7 +249,8 @@ def _build(
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
     forces = [item for robot in robots.values() for item in robot.forces()]
-    about_forces = tuple(apply_forces(builder, parts.plant, forces))
+    of_world = forces_of_world(parts, world_file)
+    about_forces = tuple(apply_forces(builder, parts.plant, forces, of_world))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings

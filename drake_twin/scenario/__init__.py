@@ -266,8 +266,8 @@ class ScenarioError(InputError):
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     yield from misfits(scenario, unchecked=("data",))  # a command's data is checked by its controller
-    if not (scenario.robots or scenario.nodes):
-        yield ("robots",), "a twin needs at least one robot, or a node program that spawns one"
+    if not (scenario.robots or scenario.nodes or scenario.world.file):
+        yield ("robots",), "a twin needs at least one robot, a world, or a node program that spawns one"
     if not scenario.time_step > 0:
         yield ("time_step",), f"{scenario.time_step:g} s is not positive"
     elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:

@@ -1,0 +1,74 @@
+"""Plugins of a world that exert forces on all that moves in it: what is read of one, and the registry of them."""
+
+from collections.abc import Callable, Iterator
+from typing import Any, TypeAlias
+
+from lxml import etree
+
+from drake_twin.dataclass import dataclass
+from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, plugin_node_name, read_plugin
+from drake_twin.description.robot_description import GazeboPlugin
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.extensions import Registry
+from drake_twin.findings import Cause, Finding, Kind
+
+
+@dataclass(frozen=True)
+class WorldPlugin:
+    """A plugin of a world.
+
+    Attributes:
+        type: What exerts its forces, as `drake_twin.controllers.world_forces.WORLD_FORCES` names it.
+        parameters: The parameters of that.
+    """
+
+    type: str
+    parameters: Any
+
+
+ConvertWorldPlugin: TypeAlias = Callable[[PluginReader], WorldPlugin]
+
+# By the kind of plugin, as `plugin_kind` names it.
+WORLD_PLUGINS: Registry[ConvertWorldPlugin] = Registry(
+    "Gazebo plugin of a world", "world_plugin", "drake_twin.world_plugins", ["drake_twin.description.plugins"]
+)
+
+
+def world_plugin(*names: str) -> Callable[[ConvertWorldPlugin], ConvertWorldPlugin]:
+    """Register a function that converts a Gazebo plugin of a world.
+
+    Args:
+        names: The names of its library, as `drake_twin.description.gazebo_drive.gazebo_plugin` takes them.
+
+    Raises:
+        InputError: If another function converts a plugin of the name.
+    """
+
+    def register(function: ConvertWorldPlugin) -> ConvertWorldPlugin:
+        for name in names:
+            WORLD_PLUGINS.add(plugin_kind(GazeboPlugin(name, "")), function, function)
+        return function
+
+    return register
+
+
+def is_world_plugin(plugin: GazeboPlugin) -> bool:
+    """Tell whether a plugin of a world is of a kind that exerts forces here."""
+    return plugin_kind(plugin) in WORLD_PLUGINS
+
+
+def read_world_plugins(reader: XmlReader, world: etree._Element) -> Iterator[WorldPlugin | Finding]:
+    """Convert the plugins of a world that exert forces, and report their elements that are ignored.
+
+    Raises:
+        InputError: If a value is invalid; with file and line.
+    """
+    for element in world.findall("plugin"):
+        plugin = read_plugin(reader, element)
+        if not is_world_plugin(plugin):
+            continue
+        values = PluginReader(plugin)
+        yield WORLD_PLUGINS[plugin_kind(plugin)](values)
+        common = f" of Gazebo plugin {plugin_node_name(plugin)}"
+        for tag in values.unread:
+            yield Finding.at(Kind.IGNORED, f"<{tag}>{common}", plugin.place, common=common, cause=Cause.UNREAD)
