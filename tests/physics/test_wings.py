@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flyers import FLAP, RHO, STEPS, G, deflect, flyer, plugin
 
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, RunError
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.replay import replay
 
@@ -83,6 +83,28 @@ def test_a_falling_body_approaches_its_terminal_velocity(fly, time_step):
         assert -twin.entities.state("flyer").linear[2] == pytest.approx(terminal * tanh(G * time / terminal), rel=0.01)
     twin.advance_to(4.5)
     assert twin.entities.state("flyer").linear == pytest.approx((0.0, 0.0, -terminal), rel=2e-3)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("ratio", "stays"), [(0.5, True), (1.9, True), (2.1, False)])
+def test_a_wing_that_is_too_large_for_the_step_swings_and_then_flies_apart(fly, ratio, stays):
+    """Across its flight v' = -½ ρ V A cla v / m: Euler's explicit steps swing from a ratio of 1 and grow from 2."""
+    twin, speed = fly({"cla": 5, "cda": 0, "area": ratio * 2.0 / (0.5 * RHO * 20 * 5 * 0.01)}, inertia=(1e6,) * 3), 0.01
+    twin.entities.set_state("flyer", linear=(20.0, 0.0, speed))
+    if not stays:
+        with pytest.raises(RunError, match="flyer"):
+            twin.advance_to(3.0)
+        return
+    twin.advance_to(0.05)
+    assert twin.entities.state("flyer").linear[2] == pytest.approx(speed * (1 - ratio) ** 5, rel=0.01)
+
+
+def test_the_engine_with_error_control_has_the_same_air(fly):
+    brake = {"a0": 1.0, "cla": 0, "cda": 0.8, "area": 0.5, "forward": "0 0 -1", "upward": "1 0 0"}
+    twin = fly(brake, gravity=G, engine="cenic")
+    terminal = sqrt(2 * 2.0 * G / (RHO * 0.5 * 0.8))
+    twin.advance_to(1.0)
+    assert -twin.entities.state("flyer").linear[2] == pytest.approx(terminal * tanh(G / terminal), rel=0.01)
 
 
 MAIN = {"a0": 0.28, "cla": 5.0, "cda": 2.0, "area": 0.5, "cp": "0.03 0 0"}
