@@ -12,6 +12,7 @@ from typing import Any
 from drake_twin.description.gazebo_drive import GAZEBO_PLUGINS
 from drake_twin.description.gazebo_plugins import DONE_HERE, class_kind
 from drake_twin.description.world_plugins import WORLD_PLUGINS
+from drake_twin.description.world_wrenches import WRENCH_SYSTEM, read_wrench_systems
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -32,6 +33,9 @@ Thruster TouchPlugin=touchplugin TrackController TrackedVehicle TrajectoryFollow
 VelocityControl WebsocketServer WheelSlip WindEffects
 """
 
+# What reads a system that is neither a controller nor a force of the world.
+_OTHERS: dict[str, Callable[..., Any]] = {WRENCH_SYSTEM: read_wrench_systems}
+
 _INTRODUCTION = """\
 # gz-sim's systems
 
@@ -41,7 +45,8 @@ What becomes of a `<plugin>` of a robot or a world that is one of gz-sim's own s
 - *provided*: the twin does its work without it;
 - *a finding*: it is named with its file and line, and nothing else happens.
 
-The files are those of `drake_twin/description/plugins/`, which name the controller or the force of the world.
+The files are those of `drake_twin/description/plugins/`, which name the controller or the force of the world, or of
+the folder above it.
 
 {numbers}. This page is written by `python -m drake_twin.description.docs`.
 
@@ -68,7 +73,7 @@ def systems_page(tests: Path) -> str:
     texts = {file: file.read_text(encoding="utf-8") for file in sorted(tests.rglob("*.py"))}
     rows, numbers = [], Counter[str]()
     for name, kind in systems().items():
-        convert = GAZEBO_PLUGINS.get(kind) or WORLD_PLUGINS.get(kind)
+        convert = GAZEBO_PLUGINS.get(kind) or WORLD_PLUGINS.get(kind) or _OTHERS.get(kind)
         support = "runs" if convert else "provided" if kind in DONE_HERE else "a finding"
         numbers[support] += 1
         what, file, held = "", "", ""

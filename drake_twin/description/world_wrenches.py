@@ -49,7 +49,7 @@ class WrenchSystem:
 def read_wrench_systems(
     reader: XmlReader, world: etree._Element, lost: Callable[[InputError], None]
 ) -> Iterator[WrenchSystem]:
-    """Read the plugins of a world that exert forces on links.
+    """Convert each ``gz-sim-apply-link-wrench-system`` to forces on links, by topics and from the start.
 
     Args:
         reader: The world's document.
