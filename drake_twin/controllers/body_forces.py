@@ -15,7 +15,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
-from pydrake.systems.framework import OutputPort
+from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.dataclass import dataclass
@@ -71,6 +71,8 @@ class Motion:
         origins: The place of its origin in the world frame (n×3, m).
         V_B: Its velocity, in its own axes (n×6): angular (rad/s), then that of its origin (m/s).
         state: The plant's ``[q; v]``.
+        applied: The wrenches that the kinds before this one exert on the bodies, about their origins and in their own
+            axes (n×6): N·m, then N.
     """
 
     time: float
@@ -78,6 +80,7 @@ class Motion:
     origins: np.ndarray
     V_B: np.ndarray
     state: np.ndarray
+    applied: np.ndarray
 
 
 class BodyForces(ABC):
@@ -88,13 +91,23 @@ class BodyForces(ABC):
 
     Attributes:
         bodies: The bodies whose motion is needed and on which the forces act; one may be there more than once.
+        is_last: Whether the forces follow from those of all kinds that are not last.
     """
 
     bodies: Sequence[RigidBody]
+    is_last: ClassVar[bool] = False
 
     @abstractmethod
     def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
         """Prepare what does not change; `bodies` has to be set."""
+
+    def follow(self, plant_context: Context) -> None:
+        """Follow masses and inertias that differ from those as built; without effect on forces that have none.
+
+        Args:
+            plant_context: The plant's context.
+        """
+        del plant_context
 
     @abstractmethod
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
@@ -126,10 +139,3 @@ class ForceController(Controller):
     def get_signals_output_port(self) -> OutputPort:
         """Return the port ``signals``."""
         return self.GetOutputPort("signals")
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the cross products of vectors (n×3), in a third of the time that NumPy's own takes for a few."""
-    after, last = [1, 2, 0], [2, 0, 1]
-    product: np.ndarray = a[:, after] * b[:, last] - a[:, last] * b[:, after]
-    return product

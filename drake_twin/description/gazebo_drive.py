@@ -45,6 +45,8 @@ DETACHABLE_JOINT = "gz_sim/DetachableJoint"
 JOINT_PID = "gz_sim/JointPidController"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
+HYDRODYNAMICS = "gz_sim/Hydrodynamics"
+THRUSTER = "gz_sim/Thruster"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
