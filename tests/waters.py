@@ -93,3 +93,19 @@ def hydrodynamics(link="hull", /, **elements):
     """SDF of gz-sim's Hydrodynamics."""
     own = "".join(f"<{tag}>{value}</{tag}>" for tag, value in {"link_name": link, **elements}.items())
     return f'<plugin filename="gz-sim-hydrodynamics-system" name="gz::sim::systems::Hydrodynamics">{own}</plugin>'
+
+
+def thruster(joint="shaft", /, **elements):
+    """SDF of gz-sim's Thruster."""
+    values = {"joint_name": joint, "thrust_coefficient": 0.02, "propeller_diameter": 0.1, **elements}
+    own = "".join(f"<{tag}>{value}</{tag}>" for tag, value in values.items() if value is not None)
+    return f'<plugin filename="gz-sim-thruster-system" name="gz::sim::systems::Thruster">{own}</plugin>'
+
+
+def propelled(size, *plugins, side=0.0, inertia=1e-4, density=WATER):
+    """SDF of a box with a propeller of 0.1 kg behind it, whose thrust is along x at a distance from the middle (m)."""
+    moments = "".join(f"<i{axis}{axis}>{inertia}</i{axis}{axis}>" for axis in "xyz")
+    propeller = f"""<link name="propeller"><pose>-0.5 {side} 0 0 0 0</pose><inertial><mass>0.1</mass>
+<inertia>{moments}</inertia></inertial></link><joint name="shaft" type="revolute"><parent>hull</parent>
+<child>propeller</child><axis><xyz>1 0 0</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis></joint>"""
+    return box("auv", size, density, more=propeller + "".join(plugins))

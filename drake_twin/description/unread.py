@@ -34,7 +34,7 @@ _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its na
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
-    **dict.fromkeys(("buoyancy", "lift", "hydrodynamics", "wind", "thruster"), "the twin has no water and no air"),
+    **dict.fromkeys(("lift", "wind"), "the twin has no air"),
     "battery": "the twin has no batteries",
 }
 
