@@ -89,7 +89,9 @@ def coriolis(inertia: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """
     momentum = (inertia @ velocity[:, :, None])[:, :, 0]
     w, v = velocity[:, :3], velocity[:, _LINEAR]
+    count = len(velocity)
+    products = cross(np.concatenate([w, v, w]), np.concatenate([momentum[:, :3], *[momentum[:, _LINEAR]] * 2]))
     found = np.empty_like(velocity)
-    found[:, :3] = cross(w, momentum[:, :3]) + cross(v, momentum[:, _LINEAR])
-    found[:, _LINEAR] = cross(w, momentum[:, _LINEAR])
+    found[:, :3] = products[:count] + products[count : 2 * count]
+    found[:, _LINEAR] = products[2 * count :]
     return found

@@ -19,10 +19,12 @@ from drake_twin.description.gazebo_drive import HYDRODYNAMICS
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.sname import coefficient_name
-from drake_twin.errors import CommandError
+from drake_twin.errors import CommandError, InputError
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
+
+_LEAST = 1e-6  # of the mass of a link, what added mass has to leave of it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +94,11 @@ class HydrodynamicForces(BodyForces):
     is_last = True
 
     def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
+        """Prepare the responses.
+
+        Raises:
+            InputError: If an added mass takes all the mass of a link.
+        """
         self._links = [body.link(source.setup.parameters.link_name) for source, body in sources]
         self._plant = sources[0][1].plant
         parameters = [source.setup.parameters for source, _ in sources]
@@ -102,6 +109,10 @@ class HydrodynamicForces(BodyForces):
         self._whirled = added * np.array([not item.disable_coriolis for item in parameters])[:, None, None]
         self._step = self._plant.time_step()
         self._respond(None)
+        for (members, *_), response in zip(self._groups, self._response.responses, strict=True):
+            effective = np.eye(response.shape[-1]) + response @ _blocks(self._added, members)
+            for every in members[np.linalg.eigvals(effective).real.min(axis=1) < _LEAST]:
+                raise _negative(*sources[every[0]])
         self.bodies = [*self._links, *self._response.carried]
 
     def follow(self, plant_context: Context) -> None:
@@ -127,8 +138,8 @@ class HydrodynamicForces(BodyForces):
         velocity[:, 3:] -= current
         water, slope = self._damping.calc(velocity)
         water -= coriolis(self._whirled, velocity)
-        # In the link's axes a current that is constant in the world turns.
-        water -= (self._added[:, :, 3:] @ cross(motion.V_B[:count, :3], current)[:, :, None])[..., 0]
+        if signals.any():  # a current that is constant in the world turns in the link's axes
+            water -= (self._added[:, :, 3:] @ cross(motion.V_B[:count, :3], current)[:, :, None])[..., 0]
         free = self._response.free_acceleration(motion)
         found = np.zeros_like(motion.V_B)
         for members, unit, after, mobility, before in self._groups:
@@ -144,6 +155,12 @@ class HydrodynamicForces(BodyForces):
                 found[members] -= lost.reshape(*members.shape, 6)
         found[:count] += water
         return found
+
+
+def _negative(source: ForceController, body: RobotBody) -> InputError:
+    link, name = source.setup.parameters.link_name, source.setup.name
+    what = f"the added mass of link {link!r} is negative and takes all of its mass: xDotU and its like are negative in SNAME's notation"
+    return InputError(f"robot {body.plant.GetModelInstanceName(body.instance)!r}: controller {name}: {what}")
 
 
 def _blocks(matrices: np.ndarray, members: np.ndarray) -> np.ndarray:

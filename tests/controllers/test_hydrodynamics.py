@@ -77,6 +77,22 @@ def test_values_that_are_refused_with_file_and_line(tmp_path, elements, says):
     assert "\n" not in str(refusal.value)
 
 
+def test_coefficients_that_drive_a_link_are_named(tmp_path):
+    twin = vehicle(tmp_path, hydrodynamics(zW=2, xUabsU=3.5, yDotV=1, xU=-1, xV=1, xUU=1, yUabsV=1))
+    said = [item.what.partition(": ")[2] for item in twin.findings if "SNAME" in item.what]
+    assert said == [
+        "<zW> is 2 and drives the link, as in gz-sim: damping is negative in SNAME's notation",
+        "<xUabsU> is 3.5 and drives the link, as in gz-sim: damping is negative in SNAME's notation",
+        "<yDotV> is 1 and takes mass from the link, as in gz-sim: added mass is negative in SNAME's notation",
+    ]
+
+
+def test_an_added_mass_that_takes_all_of_the_mass_is_refused(tmp_path):
+    vehicle(tmp_path, hydrodynamics(zDotW=119))
+    with pytest.raises(InputError, match="robot 'auv': controller hydrodynamics: the added mass of link 'hull' "):
+        vehicle(tmp_path, hydrodynamics(zDotW=121))
+
+
 @pytest.mark.parametrize("link", ["keel", ""])
 def test_what_does_nothing_in_gazebo_is_said(tmp_path, link):
     twin = vehicle(tmp_path, hydrodynamics(link))

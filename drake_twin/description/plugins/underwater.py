@@ -23,9 +23,10 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
     link = plugin.text("link_name", "")
     if link not in plugin.description.links:
         raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    coefficients = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
     parameters: dict[str, object] = {
         "link_name": link,
-        "coefficients": {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)},
+        "coefficients": coefficients,
         "disable_added_mass": plugin.flag("disable_added_mass", False),
         "disable_coriolis": plugin.flag("disable_coriolis", False),
         "default_current": list(plugin.vector("default_current")),
@@ -38,7 +39,22 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         parameters,
         topics={"ocean_current": "ocean_current" if space else "/ocean_current"},
         gz_topics={"ocean_current": topic},
+        warnings=tuple(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
     )
+
+
+def _brakes(tag: str) -> bool:
+    """Tell whether a coefficient acts along the axis of its velocity, against that or its change."""
+    axes = coefficient_name(tag)
+    if axes is None or axes.force != axes.velocity:
+        return False
+    return axes.other is None or (axes.is_absolute and axes.other == axes.force)
+
+
+def _wrong_way(tag: str, value: float) -> str:
+    is_mass = "Dot" in tag
+    does, what = ("takes mass from the link", "added mass") if is_mass else ("drives the link", "damping")
+    return f"<{tag}> is {value:g} and {does}, as in gz-sim: {what} is negative in SNAME's notation"
 
 
 # Element → gz-sim's default.
