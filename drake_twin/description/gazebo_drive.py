@@ -47,6 +47,8 @@ ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
 LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
+HYDRODYNAMICS = "gz_sim/Hydrodynamics"
+THRUSTER = "gz_sim/Thruster"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

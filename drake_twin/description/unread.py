@@ -35,7 +35,7 @@ _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its na
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
-    **dict.fromkeys(("buoyancy", "hydrodynamics", "wind", "thruster"), "the twin has no water and no air"),
+    "wind": "the world's wind blows on rotors, wings and aircraft alone",
     "battery": "the twin has no batteries",
 }
 
