@@ -70,7 +70,8 @@ class Motion:
         poses: The pose X_WB of each body that forces act on (m×3×4, m).
         velocities: Its velocity, in its own axes (m×6): angular (rad/s), then that of its origin (m/s).
         places: The index there of each body that is meant (n).
-        applied: The wrenches that the kinds before this one exert on each, about its origin and in its own axes (m×6).
+        applied: The wrenches that the kinds before this one exert on each, about its origin and in its own axes (m×6);
+            None for no such wrenches.
 
     Attributes:
         time: The time (s).
@@ -86,7 +87,7 @@ class Motion:
         poses: np.ndarray,
         velocities: np.ndarray,
         places: np.ndarray,
-        applied: np.ndarray,
+        applied: np.ndarray | None = None,
     ):
         self.time, self.state = time, state
         self._poses, self._velocities, self._places, self._applied = poses, velocities, places, applied
@@ -112,6 +113,8 @@ class Motion:
     @property
     def applied(self) -> np.ndarray:
         """The wrenches that the kinds before this one exert on it, about its origin and in its own axes (n×6)."""
+        if self._applied is None:
+            return np.zeros((len(self._places), 6))
         applied: np.ndarray = self._applied[self._places]
         return applied
 

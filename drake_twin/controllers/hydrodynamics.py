@@ -159,7 +159,8 @@ class HydrodynamicForces(BodyForces):
 
 def _negative(source: ForceController, body: RobotBody) -> InputError:
     link, name = source.setup.parameters.link_name, source.setup.name
-    what = f"the added mass of link {link!r} is negative and takes all of its mass: xDotU and its like are negative in SNAME's notation"
+    negative = "xDotU and its like are negative in SNAME's notation"
+    what = f"the added mass of link {link!r} is negative and takes all of its mass: {negative}"
     return InputError(f"robot {body.plant.GetModelInstanceName(body.instance)!r}: controller {name}: {what}")
 
 
