@@ -47,6 +47,7 @@ ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
+LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
