@@ -49,6 +49,7 @@ LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
+LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

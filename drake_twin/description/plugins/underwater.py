@@ -1,10 +1,12 @@
-"""The systems of gz-sim for vehicles in water, as controllers that exert forces."""
+"""The systems of gz-sim for vehicles in water and airships, as controllers that exert forces."""
 
 from typing import Any
 
+from drake_twin.description.added_mass import fluid_added_mass
 from drake_twin.description.gazebo_drive import (
     EACH_STEP,
     HYDRODYNAMICS,
+    LIGHTER_THAN_AIR,
     THRUSTER,
     CannotWorkError,
     DrivePlugin,
@@ -118,3 +120,29 @@ def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
         servos={} if is_direct else {(joint, "velocity"): Servo(gain)},
         warnings=tuple(warnings),
     )
+
+
+_OF_HULL = (
+    *("force_inviscid_coeff", "force_viscous_coeff", "moment_inviscid_coeff", "moment_viscous_coeff"),
+    *("eps_v", "axial_drag_coeff"),
+)
+
+
+@gazebo_plugin("gz-sim-lighter_than_air_dynamics-system", "gz-sim-lighter-than-air-dynamics-system")
+def lighter_than_air_dynamics_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-lighter_than_air_dynamics-system``: the air about the hull of an airship."""
+    link = plugin.text("link_name", "")
+    if link not in plugin.description.links:
+        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    for tag in _OF_HULL:
+        if not plugin.has(tag):
+            raise CannotWorkError(f"<{tag}> is missing")
+    density = plugin.number("air_density", 1.225)
+    if density < 0.0:
+        raise plugin.error(f"<air_density> is {density:g}, and has to be zero or more")
+    added = fluid_added_mass(plugin.description.text, link, plugin)
+    if added is None:
+        raise CannotWorkError(f"link {link!r} has no <fluid_added_mass>")
+    parameters: dict[str, Any] = {tag: plugin.number(tag, 0.0) for tag in _OF_HULL}
+    parameters |= {"link_name": link, "air_density": density, "fluid_added_mass": added.ravel().tolist()}
+    return plugin.drive(LIGHTER_THAN_AIR, parameters)
