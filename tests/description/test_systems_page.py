@@ -11,6 +11,7 @@ from drake_twin.description.world_plugins import WORLD_PLUGINS
 # Kinds of older releases, and other spellings.
 OLDER = {
     *("force-torque-system", "nav-sat-system", "multicopter-velocity-control-system"),
+    "lighter-than-air-dynamics-system",
     *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_clock", "gazebo_ros_state"),
 }
 
