@@ -47,16 +47,16 @@ POST = """<robot name="post"><link name="world"/><link name="top"><inertial><mas
 
 
 def twin_of(folder, body, step=0.001, robots=None):
-    """A twin of a world with models in it, and robots: name → (their SDF, xyz)."""
+    """A twin of a world with models in it, and robots: name → (their SDF, xyz, rpy)."""
     file = folder / "water.sdf"
     file.write_text(f'<sdf version="1.9"><world name="water">{body}</world></sdf>')
     builder = TwinBuilder(time_step=step, world=World(file=str(file), ground=False))
     if robots is None:
         (folder / "post.urdf").write_text(POST)
         builder.robot("post", folder / "post.urdf", xyz=(50, 0, 0))
-    for name, (text, xyz) in (robots or {}).items():
+    for name, (text, xyz, *rpy) in (robots or {}).items():
         (folder / f"{name}.sdf").write_text(f'<sdf version="1.9">{text}</sdf>')
-        builder.robot(name, folder / f"{name}.sdf", xyz=xyz)
+        builder.robot(name, folder / f"{name}.sdf", xyz=xyz, rpy=rpy[0] if rpy else (0, 0, 0))
     return builder.build()
 
 
@@ -87,3 +87,25 @@ def period_of(times, values):
         if before < 0 <= after
     ]
     return (crossings[-1] - crossings[0]) / (len(crossings) - 1)
+
+
+def hydrodynamics(link="hull", /, **elements):
+    """SDF of gz-sim's Hydrodynamics."""
+    own = "".join(f"<{tag}>{value}</{tag}>" for tag, value in {"link_name": link, **elements}.items())
+    return f'<plugin filename="gz-sim-hydrodynamics-system" name="gz::sim::systems::Hydrodynamics">{own}</plugin>'
+
+
+def thruster(joint="shaft", /, **elements):
+    """SDF of gz-sim's Thruster."""
+    values = {"joint_name": joint, "thrust_coefficient": 0.02, "propeller_diameter": 0.1, **elements}
+    own = "".join(f"<{tag}>{value}</{tag}>" for tag, value in values.items() if value is not None)
+    return f'<plugin filename="gz-sim-thruster-system" name="gz::sim::systems::Thruster">{own}</plugin>'
+
+
+def propelled(size, *plugins, side=0.0, inertia=1e-4, density=WATER):
+    """SDF of a box with a propeller of 0.1 kg behind it, whose thrust is along x at a distance from the middle (m)."""
+    moments = "".join(f"<i{axis}{axis}>{inertia}</i{axis}{axis}>" for axis in "xyz")
+    propeller = f"""<link name="propeller"><pose>-0.5 {side} 0 0 0 0</pose><inertial><mass>0.1</mass>
+<inertia>{moments}</inertia></inertial></link><joint name="shaft" type="revolute"><parent>hull</parent>
+<child>propeller</child><axis><xyz>1 0 0</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis></joint>"""
+    return box("auv", size, density, more=propeller + "".join(plugins))

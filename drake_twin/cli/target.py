@@ -325,10 +325,9 @@ def _world_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
         raise InputError(f"{what}; --world {name} puts it around other robots")
     folders = tuple(package_paths(options))
     read = _ReadWorld.of(str(_own_or(name)), folders)
-    if read.absent and not read.robots:
-        what = "no model of this world has a plugin that drives it, so it holds no robot"
+    if read.absent and not read.has_models:
         absent = "".join(f". {item}" for item in read.absent)
-        raise InputError(f"{what}: --world {name} puts it around robots{absent}", file=_own_or(name))
+        raise InputError(f"none of this world's models is there{absent}", file=_own_or(name))
     world = World(file=read.file, without_models=read.without_models)
     scenario = Scenario(robots=read.robots, world=world, package_paths=folders)
     return Target(scenario if read.time_step is None else replace(scenario, time_step=read.time_step))
@@ -344,13 +343,14 @@ def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
 
 
 class _ReadWorld(NamedTuple):
-    """A world's file, its models that are robots by name, its step if usable (s), these robots, and absent models."""
+    """A world's file, its models that are robots, its step if usable (s), these, absent models, if it has any."""
 
     file: str
     without_models: tuple[str, ...]
     time_step: float | None
     robots: tuple[Robot, ...]
     absent: tuple[Finding, ...]
+    has_models: bool
 
     @classmethod
     def of(cls, address: str, folders: Sequence[str]) -> _ReadWorld:
@@ -372,7 +372,8 @@ class _ReadWorld(NamedTuple):
         )
         is_usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP
         absent = tuple(item for item in found.findings if "not found" in item.what or "not included" in item.what)
-        return cls(address, tuple(model.name for model, _ in driven), step if is_usable else None, robots, absent)
+        names = tuple(model.name for model, _ in driven)
+        return cls(address, names, step if is_usable else None, robots, absent, bool(found.models))
 
 
 def _command(topic: str, text: str) -> Command:

@@ -307,8 +307,7 @@ class TopicsPanel:
         """Publish a message to a controller, or to the node programs that listen."""
         twin, topic, data = self._twin, request.topic, _message(request)
         type_ = self._listeners_type(topic)
-        is_twins = any((item.kind, item.name) == (COMMANDED, topic) for item in twin.graph.endpoints)
-        if is_twins or type_ is None or twin.more_topics is None:
+        if twin.graph.hears(topic) or type_ is None or twin.more_topics is None:
             twin.publish(topic, data)
             return
         try:

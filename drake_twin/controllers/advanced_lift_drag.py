@@ -191,6 +191,7 @@ class AircraftForces(BodyForces):
         for index, (number, _, (direction, *coefficients)) in enumerate(surfaces):
             self._by_joint[:, number, index] = np.degrees(direction * np.array(coefficients))
 
+    @np.errstate(over="ignore", invalid="ignore")  # of what flies apart, which the twin reports
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
         """Return the wrench of the air on each link."""
         velocity = self._flow.velocities(motion)

@@ -2,8 +2,8 @@
 
 A kind of them is two classes in one file: a `ForceController`, one for each robot, with its parameters and topics, and
 its `BodyForces`, which computes in NumPy what all controllers of the kind exert, in one call for each evaluation. One
-system of the diagram, `drake_twin.systems.applied_forces.AppliedForces`, reads the motion of the bodies once for all
-kinds, and Drake's own `Propeller` applies the sums.
+system of the diagram, `drake_twin.controllers.applied_forces.AppliedForces`, reads the motion of the bodies once for
+all kinds, and Drake's own `Propeller` applies the sums.
 """
 
 from abc import ABC, abstractmethod
@@ -15,7 +15,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
-from pydrake.systems.framework import OutputPort
+from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.dataclass import dataclass
@@ -70,19 +70,27 @@ class Motion:
         poses: The pose X_WB of each body that forces act on (m×3×4, m).
         velocities: Its velocity, in its own axes (m×6): angular (rad/s), then that of its origin (m/s).
         places: The index there of each body that is meant (n).
+        applied: The wrenches that the kinds before this one exert on each, about its origin and in its own axes (m×6);
+            None for no such wrenches.
 
     Attributes:
         time: The time (s).
         state: The plant's ``[q; v]``.
     """
 
-    __slots__ = ("_places", "_poses", "_velocities", "state", "time")
+    __slots__ = ("_applied", "_places", "_poses", "_velocities", "state", "time")
 
     def __init__(
-        self, time: float, state: np.ndarray, poses: np.ndarray, velocities: np.ndarray, places: np.ndarray | slice
+        self,
+        time: float,
+        state: np.ndarray,
+        poses: np.ndarray,
+        velocities: np.ndarray,
+        places: np.ndarray,
+        applied: np.ndarray | None = None,
     ):
         self.time, self.state = time, state
-        self._poses, self._velocities, self._places = poses, velocities, places
+        self._poses, self._velocities, self._places, self._applied = poses, velocities, places, applied
 
     @property
     def R_WB(self) -> np.ndarray:
@@ -102,6 +110,14 @@ class Motion:
         velocities: np.ndarray = self._velocities[self._places]
         return velocities
 
+    @property
+    def applied(self) -> np.ndarray:
+        """The wrenches that the kinds before this one exert on it, about its origin and in its own axes (n×6)."""
+        if self._applied is None:
+            return np.zeros((len(self._places), 6))
+        applied: np.ndarray = self._applied[self._places]
+        return applied
+
 
 class BodyForces(ABC):
     """The forces that all controllers of one kind exert.
@@ -111,13 +127,23 @@ class BodyForces(ABC):
 
     Attributes:
         bodies: The bodies whose motion is needed and on which the forces act; one may be there more than once.
+        is_last: Whether the forces follow from those of all kinds that are not last.
     """
 
     bodies: Sequence[RigidBody]
+    is_last: ClassVar[bool] = False
 
     @abstractmethod
     def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
         """Prepare what does not change; `bodies` has to be set."""
+
+    def follow(self, plant_context: Context) -> None:
+        """Follow masses and inertias that differ from those as built; without effect on forces that have none.
+
+        Args:
+            plant_context: The plant's context.
+        """
+        del plant_context
 
     @abstractmethod
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
@@ -149,10 +175,3 @@ class ForceController(Controller):
     def get_signals_output_port(self) -> OutputPort:
         """Return the port ``signals``."""
         return self.GetOutputPort("signals")
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the cross products of vectors (n×3), in a third of the time that NumPy's own takes for a few."""
-    after, last = [1, 2, 0], [2, 0, 1]
-    product: np.ndarray = a[:, after] * b[:, last] - a[:, last] * b[:, after]
-    return product

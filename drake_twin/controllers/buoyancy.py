@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from drake_twin.control.cross_product import cross
 from drake_twin.control.submerged import SubmergedSolids
-from drake_twin.controllers.body_forces import Motion, cross
+from drake_twin.controllers.body_forces import Motion
 from drake_twin.controllers.world_forces import WorldBodies, WorldForces, world_forces
 from drake_twin.description.plugins.buoyancy import BUOYANCY, BuoyancyParameters
 

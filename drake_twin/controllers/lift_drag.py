@@ -103,6 +103,7 @@ class WingForces(BodyForces):
         self._joints = np.array([joint.position_start() if joint else 0 for joint in joints])
         self._by_joint = column("control_joint_rad_to_cl", "cm_delta") * [bool(joint) for joint in joints]
 
+    @np.errstate(over="ignore", invalid="ignore")  # of what flies apart, which the twin reports
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
         """Return the wrench of each wing on its link."""
         forward, left, up = self._flow.velocities(motion)

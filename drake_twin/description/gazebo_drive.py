@@ -54,6 +54,9 @@ ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
 TRIGGERED_PUBLISHER = "gz_sim/TriggeredPublisher"
 KINETIC_ENERGY_MONITOR = "gz_sim/KineticEnergyMonitor"
 LINEAR_BATTERY = "gz_sim/LinearBattery"
+HYDRODYNAMICS = "gz_sim/Hydrodynamics"
+THRUSTER = "gz_sim/Thruster"
+LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

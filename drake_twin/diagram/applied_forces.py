@@ -8,17 +8,18 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant, Propeller, PropellerInfo
-from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
-from pydrake.systems.primitives import ConstantValueSource, Multiplexer
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
+from pydrake.systems.primitives import ConstantValueSource, Multiplexer, PassThrough
 
+from drake_twin.controllers.applied_forces import AppliedForces
 from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
 from drake_twin.controllers.world_forces import WorldForces
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments, bodies_that_gain_energy
 from drake_twin.findings import Finding, Kind
-from drake_twin.systems.applied_forces import AppliedForces
 
 # No robot has such names.
 _ON_LINKS = "forces/on_links"
+_PUSHES = "forces/pushes"
 _ALL = "forces/all"
 
 
@@ -57,14 +58,35 @@ def apply_forces(
         builder.Connect(source, system.get_input_port(number))
     pushes = system.get_input_port(len(sources))
     none = builder.AddNamedSystem("forces/no_pushes", ConstantValueSource(pushes.Allocate()))
+    if builder.HasSubsystemNamed(_ON_LINKS) and builder.GetSubsystemByName(_ON_LINKS).HasInputPort("pushes"):
+        heard = builder.AddNamedSystem(_PUSHES, PassThrough(pushes.Allocate()))
+        builder.Connect(heard.get_output_port(), pushes)
+        builder.Connect(heard.get_output_port(), builder.GetSubsystemByName(_ON_LINKS).GetInputPort("pushes"))
+        pushes = heard.get_input_port()
     builder.Connect(none.get_output_port(), pushes)
     builder.Connect(system.get_output_port(), plant.get_applied_spatial_force_input_port())
+
+
+def follow_masses(diagram: Diagram, plant: MultibodyPlant, root: Context) -> None:
+    """Let forces that depend on masses follow those in a context.
+
+    Args:
+        diagram: The root diagram.
+        plant: Its plant.
+        root: The diagram's context; it is changed.
+    """
+    if diagram.HasSubsystemNamed(_ON_LINKS):
+        system = diagram.GetSubsystemByName(_ON_LINKS)
+        assert isinstance(system, AppliedForces)
+        system.follow(plant.GetMyContextFromRoot(root), system.GetMyMutableContextFromRoot(root))
 
 
 def wrench_port(diagram: Diagram, plant: MultibodyPlant) -> InputPort:
     """Return the port for pushes, whose value can be fixed."""
     if not diagram.HasSubsystemNamed(_ALL):
         return plant.get_applied_spatial_force_input_port()
+    if diagram.HasSubsystemNamed(_PUSHES):
+        return diagram.GetSubsystemByName(_PUSHES).get_input_port()
     system = diagram.GetSubsystemByName(_ALL)
     return system.get_input_port(system.num_input_ports() - 1)
 
@@ -81,7 +103,7 @@ def _forces_of(
         by_kind.setdefault(controller.Forces, []).append((controller, signals))
     kinds: list[tuple[BodyForces, int]] = [(forces, 0) for forces in of_world if forces.bodies]
     ports = []
-    for kind, found in by_kind.items():
+    for kind, found in sorted(by_kind.items(), key=lambda entry: entry[0].is_last):
         sources: list[tuple[ForceController, RobotBody]] = []
         for controller, _ in found:
             assert controller.body is not None

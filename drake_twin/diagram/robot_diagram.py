@@ -91,10 +91,9 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
         "net_actuation": plant.get_net_actuation_output_port(instance),
     }
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
-    wind = (0.0, 0.0, 0.0) if surroundings.world is None else surroundings.world.surroundings.wind
     for controller in controllers.values():
         if isinstance(controller, ForceController):
-            controller.attach(RobotBody(plant, instance, wind))
+            controller.attach(RobotBody(plant, instance, surroundings.wind))
     joints = _joints_of_actuators(layout)
     servo = _add_servo(builder, plan, joints, controllers, in_plant, plant) if joints else None
     always_published = {}

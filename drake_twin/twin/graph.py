@@ -24,6 +24,7 @@ from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
 from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
+from drake_twin.twin.wrench_topics import WrenchTopics
 from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
@@ -37,6 +38,7 @@ class Graph(Group, path="twin.graph"):
     def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
         super().__init__(session, stepper, recorder)
         self._unheard: set[str] = set()
+        self._wrenches = WrenchTopics(session)
         self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
 
     def topics(self) -> dict[str, str]:
@@ -45,7 +47,8 @@ class Graph(Group, path="twin.graph"):
         published = {item.topic: item.type for item in built.published.values()}
         published = {item.name: item.type for item in self.events.endpoints} | published
         heard = {item.name: item.type for item in self._session.triggers.endpoints}
-        return published | heard | {item.topic: item.type for item in built.commanded.values()}
+        heard |= {item.topic: item.type for item in built.commanded.values()} | self._wrenches.types
+        return published | heard
 
     def actions(self) -> dict[str, str]:
         """Return action → ROS action type."""
@@ -66,7 +69,10 @@ class Graph(Group, path="twin.graph"):
         built, (diagram, known) = self._session.built, self._endpoints
         if diagram is not built.diagram:
             more = (item for item in self.events.endpoints if item.name not in built.published)
-            new = *endpoints_of(built), *self._session.triggers.endpoints, *more
+            wrenches = self._wrenches.endpoints()
+            pushed = {item.name for item in wrenches}
+            triggers = (item for item in self._session.triggers.endpoints if item.name not in pushed)
+            new = *endpoints_of(built), *wrenches, *triggers, *more
             self._endpoints = built.diagram, known if new == known else new
         return self._endpoints[1]
 
@@ -104,14 +110,24 @@ class Graph(Group, path="twin.graph"):
         """Publish a command that is not recorded, such as a timed one; see `Twin.publish`."""
         self._deliver(topic, data)
 
+    def hears(self, topic: str) -> bool:
+        """Return whether the twin listens to a topic."""
+        session = self._session
+        is_heard = topic in session.built.commanded or session.triggers.hears(topic)
+        return is_heard or topic in self._wrenches.types
+
     def _deliver(self, topic: Any, data: Any) -> None:
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
+        is_done = item is None and isinstance(topic, str) and topic in self._wrenches.types
+        if is_done:
+            self._wrenches.hear(topic, data)
         if session.triggers.hears(topic):
             session.triggers.hear(topic, data)
-            if item is None:
-                return
+            is_done = item is None
+        if is_done:
+            return
         item = item or self.command_topic(topic)
         heard, refused = False, None
         for port in session.physics.built.listeners[item.topic]:
@@ -151,6 +167,9 @@ class Graph(Group, path="twin.graph"):
             InputError: If no controller listens to the topic, or its controller refuses the data.
         """
         session = self._session
+        if isinstance(topic, str) and topic in self._wrenches.types:
+            self._wrenches.read(topic, data)
+            return
         if session.triggers.hears(topic) and topic not in session.built.commanded:
             session.triggers.check(topic, data)
             return

@@ -18,7 +18,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Sim
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
-from drake_twin.diagram.applied_forces import wrench_port
+from drake_twin.diagram.applied_forces import follow_masses, wrench_port
 from drake_twin.diagram.gyroscopic_moments import follow_inertias
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
@@ -256,6 +256,7 @@ class Physics:
     def _put(self, parameters: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> None:
         if self._parameters.put(self.context, parameters, leave_out_unknown=leave_out_unknown):
             follow_inertias(self.built.diagram, self.built.plant, self.context)
+            follow_masses(self.built.diagram, self.built.plant, self.context)
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""

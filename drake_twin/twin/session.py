@@ -37,7 +37,7 @@ from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
 from drake_twin.twin.triggers import Triggers
 from drake_twin.twin.varied_parameters import SET_AT_START, needs_build
-from drake_twin.twin.wrenches import Wrenches
+from drake_twin.twin.wrenches import Wrenches, first_wrenches
 
 # What goes wrong with saved values of another kind than they should be; some of Drake's checks end the process.
 _UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError, TwinError, SystemExit)
@@ -356,7 +356,7 @@ class Session:
         self.clock.go_to(0)
         self.physics.start_at_rest()
         self.commands.start(self.scenario.commands)
-        self.wrenches.start(self.physics.pushes)
+        self.wrenches.start(self.physics.pushes, first_wrenches(self.built))
         self.triggers.start()
         for control in self.controls.values():
             control.start()

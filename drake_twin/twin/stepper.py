@@ -139,7 +139,7 @@ class Stepper:
         if wrenches.items or wrenches.pushes:
             wrenches.update(clock)
         else:
-            wrenches.before = (), ()
+            wrenches.before = (), (), wrenches.steady
         session.triggers.keep()
         session.commands.apply(time, self._publish_scheduled)
         if not physics.detachable_joints.is_empty:

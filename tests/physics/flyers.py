@@ -25,13 +25,23 @@ def plugin(kind, elements):
     )
 
 
-def flyer(folder, plugins, gravity=0.0, inertia=(0.5, 0.8, 1.2), more="", time_step=0.01, pitch=0.0, world=None):
+def flyer(
+    folder,
+    plugins,
+    gravity=0.0,
+    inertia=(0.5, 0.8, 1.2),
+    more="",
+    time_step=0.01,
+    pitch=0.0,
+    world=None,
+    **more_of_twin,
+):
     """A twin of a body of 2 kg with plugins, in a world with gravity downwards (m/s²) or another one."""
     ixx, iyy, izz = inertia
     body = _LINK.format(name="body", mass=2.0, ixx=ixx, iyy=iyy, izz=izz)
     text = f'<sdf version="1.9"><model name="flyer">{body}{more}\n{plugins}</model></sdf>'
     (folder / "flyer.sdf").write_text(text)
-    builder = TwinBuilder(world=world or World(gravity=(0.0, 0.0, -gravity)), time_step=time_step)
+    builder = TwinBuilder(world=world or World(gravity=(0.0, 0.0, -gravity)), time_step=time_step, **more_of_twin)
     return builder.robot("flyer", folder / "flyer.sdf", xyz=(0, 0, 500), rpy=(0, pitch, 0)).build()
 
 

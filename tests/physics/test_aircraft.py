@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from flyers import FLAP, RHO, STEPS, G, deflect, flyer, plugin
 
+from drake_twin.errors import RunError
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.replay import replay
 
@@ -129,6 +130,14 @@ def test_it_glides_at_the_ratio_of_lift_to_drag(fly, time_step):
     twin.advance_to(6.0)
     found = twin.entities.state("flyer").linear
     assert found == pytest.approx((speed * cos(path), 0.0, -speed * sin(path)), rel=0.01)
+
+
+def test_one_that_is_too_large_for_the_step_fails_with_its_name_alone(fly, recwarn):
+    twin = fly({"CLa": 5.0, "CLq": -1e3, "area": 50.0})
+    twin.entities.set_state("flyer", linear=(20.0, 0.0, 0.1), angular=(0.1, 0.2, 0.3))
+    with pytest.raises(RunError, match="flyer"):
+        twin.advance_to(3.0)
+    assert [str(item.message) for item in recwarn] == []
 
 
 def test_a_run_goes_on_from_a_snapshot_and_a_recording_to_the_same_bits(tmp_path, fly):

@@ -1,5 +1,7 @@
 """The wind of a world file, as rotors, wings and aircraft feel it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from flyers import RHO, STEPS, flyer, plugin
@@ -47,6 +49,22 @@ def test_a_wing_at_rest_has_the_lift_and_the_drag_of_its_flow(tmp_path, time_ste
     twin.advance_to(time_step)
     size = 0.5 * RHO * 144 * 0.6 * 0.05 / 2.0
     assert velocity(twin, "flyer") / time_step == pytest.approx((-0.4 * size, 0.0, 3.0 * size), rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize(("given", "speed"), [(None, 12.0), ((-6.0, 0.0, 0.0), 6.0), ((0.0, 0.0, 0.0), 0.0)])
+def test_a_scenarios_wind_replaces_the_files(tmp_path, given, speed):
+    wing = {"a0": 0.05, "cla": 3.0, "cda": 0.0, "area": 0.6}
+    world = replace(windy(tmp_path, (-12.0, 0.0, 0.0)), wind=given)
+    twin = flyer(tmp_path, plugin("LiftDrag", wing), world=world)
+    twin.advance_to(0.01)
+    assert velocity(twin, "flyer")[2] == pytest.approx(0.01 * 0.5 * RHO * speed**2 * 0.6 * 0.15 / 2.0)
+
+
+def test_a_scenario_without_a_file_has_a_wind(tmp_path):
+    wing = {"a0": 0.05, "cla": 3.0, "cda": 0.0, "area": 0.6}
+    twin = flyer(tmp_path, plugin("LiftDrag", wing), world=World(gravity=(0.0, 0.0, 0.0), wind=(-12.0, 0.0, 0.0)))
+    twin.advance_to(0.01)
+    assert velocity(twin, "flyer")[2] == pytest.approx(0.01 * 0.5 * RHO * 144 * 0.6 * 0.15 / 2.0)
 
 
 @STEPS

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from flyers import FLAP, RHO, STEPS, G, deflect, flyer, plugin
 
-from drake_twin.errors import InputError
+from drake_twin import TwinBuilder
+from drake_twin.errors import InputError, RunError
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.replay import replay
 
@@ -85,6 +86,28 @@ def test_a_falling_body_approaches_its_terminal_velocity(fly, time_step):
     assert twin.entities.state("flyer").linear == pytest.approx((0.0, 0.0, -terminal), rel=2e-3)
 
 
+@pytest.mark.parametrize(("ratio", "stays"), [(0.5, True), (1.9, True), (2.1, False)])
+def test_a_wing_that_is_too_large_for_the_step_swings_and_then_flies_apart(fly, recwarn, ratio, stays):
+    """Across its flight v' = -½ ρ V A cla v / m: Euler's explicit steps swing from a ratio of 1 and grow from 2."""
+    twin, speed = fly({"cla": 5, "cda": 0, "area": ratio * 2.0 / (0.5 * RHO * 20 * 5 * 0.01)}, inertia=(1e6,) * 3), 0.01
+    twin.entities.set_state("flyer", linear=(20.0, 0.0, speed))
+    if not stays:
+        with pytest.raises(RunError, match="flyer"):
+            twin.advance_to(3.0)
+        assert [str(item.message) for item in recwarn] == []
+        return
+    twin.advance_to(0.05)
+    assert twin.entities.state("flyer").linear[2] == pytest.approx(speed * (1 - ratio) ** 5, rel=0.01)
+
+
+def test_the_engine_with_error_control_has_the_same_air(fly):
+    brake = {"a0": 1.0, "cla": 0, "cda": 0.8, "area": 0.5, "forward": "0 0 -1", "upward": "1 0 0"}
+    twin = fly(brake, gravity=G, engine="cenic")
+    terminal = sqrt(2 * 2.0 * G / (RHO * 0.5 * 0.8))
+    twin.advance_to(1.0)
+    assert -twin.entities.state("flyer").linear[2] == pytest.approx(terminal * tanh(G / terminal), rel=0.01)
+
+
 MAIN = {"a0": 0.28, "cla": 5.0, "cda": 2.0, "area": 0.5, "cp": "0.03 0 0"}
 TAIL = {"a0": 0.0, "cla": 5.0, "cda": 2.0, "area": 0.12, "cp": "-1 0 0"}
 
@@ -120,6 +143,36 @@ def test_a_control_surface_adds_lift_and_moment(fly, time_step):
     assert state.linear[2] / time_step == pytest.approx(rise, rel=1e-4)
     assert (state.linear[0] - 10.0) / time_step == pytest.approx(-size * 0.4 * 0.05 / 2.001, rel=1e-4)
     assert state.angular[1] / time_step == pytest.approx(-size * (-0.2 * 0.05 - 0.3 * deflection) / 0.8, rel=1e-4)
+
+
+ROTOR = """<sdf version="1.9"><model name="rotor"><link name="mast"/>
+<joint name="to_world" type="fixed"><parent>world</parent><child>mast</child></joint>
+<link name="blade"><inertial><pose>0 0.5 0 0 0 0</pose><mass>0.2</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>
+<izz>0.01</izz></inertia></inertial></link>
+<joint name="shaft" type="continuous"><parent>mast</parent><child>blade</child><axis><xyz>0 0 -1</xyz></axis></joint>
+<plugin filename="gz-sim-apply-joint-force-system" name="gz::sim::systems::ApplyJointForce">
+<joint_name>shaft</joint_name></plugin>
+<plugin filename="gz-sim-lift-drag-system" name="gz::sim::systems::LiftDrag"><link_name>blade</link_name><a0>0.1</a0>
+<cla>0.5</cla><cda>0.2</cda><cp>0 0.8 0</cp><area>{area}</area></plugin></model></sdf>"""
+
+
+@STEPS
+def test_rotors_of_several_robots_spin_up_to_the_torque_of_their_drag(tmp_path, time_step):
+    """I w' = M - c w², so that w = √(M / c) tanh(t √(M c) / I), of each robot by itself."""
+    areas, torque, inertia = {"small": 0.1, "large": 0.3}, 2.0, 0.01 + 0.2 * 0.5**2
+    builder = TwinBuilder(time_step=time_step)
+    for number, (name, area) in enumerate(areas.items()):
+        (tmp_path / f"{name}.sdf").write_text(ROTOR.format(area=area))
+        builder.robot(name, tmp_path / f"{name}.sdf", xyz=(0, 5 * number, 3), rpy=(0, 0, number))
+    twin = builder.build()
+    for name in areas:
+        twin.publish(f"/{name}/joint/shaft/cmd_force", {"data": torque})
+    for time in (0.3, 1.0):
+        twin.advance_to(time)
+        for name, area in areas.items():
+            drag = 0.5 * RHO * area * 0.2 * 0.1 * 0.8**3  # ÷ w², as a torque
+            expected = sqrt(torque / drag) * tanh(time * sqrt(torque * drag) / inertia)
+            assert twin.robot_state(name).velocities[0] == pytest.approx(expected, rel=0.01)
 
 
 def test_several_wings_are_controllers_of_their_own_and_can_be_turned_off(fly):

@@ -47,7 +47,7 @@ _SURFACE = ("direction", "CL_ctrl", "CD_ctrl", "CY_ctrl", "Cell_ctrl", "Cem_ctrl
 
 @gazebo_plugin("gz-sim-lift-drag-system")
 def lift_drag_system(plugin: DrivePlugin) -> GazeboDrive:
-    """Convert ``gz-sim-lift-drag-system`` to the twin's own controller of this kind."""
+    """Convert ``gz-sim-lift-drag-system`` to the forces of the air on a wing, by its angle of attack."""
     parameters = _wing(plugin, _LIFT_DRAG)
     parameters["radial_symmetry"] = plugin.flag("radial_symmetry", False)
     parameters["reversible"] = plugin.flag("reversible", False)
@@ -61,7 +61,7 @@ def lift_drag_system(plugin: DrivePlugin) -> GazeboDrive:
 
 @gazebo_plugin("gz-sim-advanced-lift-drag-system")
 def advanced_lift_drag_system(plugin: DrivePlugin) -> GazeboDrive:
-    """Convert ``gz-sim-advanced-lift-drag-system`` to the twin's own controller of this kind."""
+    """Convert ``gz-sim-advanced-lift-drag-system`` to the air on an aircraft, by its derivatives."""
     parameters = _wing(plugin, _ADVANCED)
     for tag in ("area", "AR", "eff"):
         if parameters[tag] == 0.0:

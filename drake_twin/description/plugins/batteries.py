@@ -15,7 +15,7 @@ _RATE = 50.0  # Hz
 _NUMBERS = ("voltage", "open_circuit_voltage_constant_coef", "open_circuit_voltage_linear_coef", "resistance")
 
 
-@gazebo_plugin("gz-sim-linearbatteryplugin-system", "gz-sim-linear-battery-plugin-system")
+@gazebo_plugin("gz-sim-linearbatteryplugin-system")
 def linear_battery_plugin_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-linearbatteryplugin-system`` to the twin's own controller of this kind."""
     name, capacity = plugin.text("battery_name", ""), plugin.number("capacity", 0.0)

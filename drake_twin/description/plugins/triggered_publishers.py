@@ -10,7 +10,7 @@ _NAME = "gz-sim-triggered-publisher-system"
 
 @gazebo_plugin(_NAME)
 def triggered_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
-    """Convert ``gz-sim-triggered-publisher-system`` of a model to what the twin does between two steps."""
+    """Convert ``gz-sim-triggered-publisher-system`` to what the twin publishes between two steps."""
     return GazeboDrive(plugin.plugin, is_part=True, triggers=(read_trigger(plugin),))
 
 

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.common.value import Value
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import BasicVector, Context
 
@@ -24,16 +25,19 @@ class AppliedForces(WitnesslessSystem):
         input_ports:
         - state
         - signals
+        - pushes
         output_ports:
         - wrenches
 
     - ``state``: the plant's ``[q; v]``.
     - ``signals``: the controllers' ports ``signals``, one after the other, kind by kind.
+    - ``pushes``: the other forces on bodies, a list of ``ExternallyAppliedSpatialForce``, from which those kinds follow
+      that are last; the port is there if one is.
     - ``wrenches``: for each of the `bodies` the wrench about its origin, in its own axes: N·m, then N.
 
     Args:
         plant: The finalized plant.
-        kinds: The forces and how many signals each takes.
+        kinds: The forces, in the order in which they are computed, and how many signals each takes.
 
     Attributes:
         bodies: The bodies on which forces act.
@@ -56,7 +60,23 @@ class AppliedForces(WitnesslessSystem):
         self._velocities = np.zeros((len(indices), 6))
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._signals = self.DeclareVectorInputPort("signals", end) if end else None
+        self._place, self._pushes = place, None
+        if any(forces.is_last for forces, _ in kinds):
+            model = Value[list[ExternallyAppliedSpatialForce]]()
+            self._pushes = self.DeclareAbstractInputPort("pushes", model)
+        self._masses = self.DeclareNumericParameter(BasicVector(1))  # stands for those of the plant
         self.DeclareVectorOutputPort("wrenches", 6 * len(indices), weakly(self._calc))
+
+    def follow(self, plant_context: Context, context: Context) -> None:
+        """Let forces that depend on masses follow those in a context of the plant.
+
+        Args:
+            plant_context: The plant's context.
+            context: The context of this system; its outputs are computed again.
+        """
+        for forces, *_ in self._kinds:
+            forces.follow(plant_context)
+        context.get_mutable_numeric_parameter(int(self._masses))
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         state, signals = self._state.Eval(context), None
@@ -72,9 +92,23 @@ class AppliedForces(WitnesslessSystem):
         time = context.get_time() + self._plant.time_step() / 2
         total = np.zeros((len(self.bodies), 6))
         for forces, places, sums, part in self._kinds:
-            motion = Motion(time, state, self._poses, V_B, places)
+            known = total
+            if forces.is_last and self._pushes is not None and (pushes := self._pushes.Eval(context)):
+                known = total + self._of_pushes(pushes, R_WB)
+            motion = Motion(time, state, self._poses, V_B, places, known)
             total += sums @ forces.wrenches(motion, _NO_SIGNALS if signals is None else signals[part])
         output.SetFromVector(total.ravel())
+
+    def _of_pushes(self, pushes: Sequence[ExternallyAppliedSpatialForce], R_WB: np.ndarray) -> np.ndarray:
+        """Return the wrenches of pushes on the bodies, as those of the output."""
+        found = np.zeros((len(self.bodies), 6))
+        for push in pushes:
+            number = self._place.get(int(push.body_index))
+            if number is not None:
+                torque, force = push.F_Bq_W.rotational() @ R_WB[number], push.F_Bq_W.translational() @ R_WB[number]
+                found[number, :3] += torque + np.cross(push.p_BoBq_B, force)
+                found[number, 3:] += force
+        return found
 
 
 _NO_SIGNALS = np.zeros(0)

@@ -1,0 +1,112 @@
+"""The forces of a fluid on links: added mass without an algebraic loop, and damping that is stable at any step."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.multibody.tree import RigidBody
+from pydrake.systems.framework import Context
+
+from drake_twin.controllers.body_forces import ForceController, Motion, RobotBody
+from drake_twin.controllers.link_response import LinkResponse
+from drake_twin.errors import InputError
+
+_LEAST = 1e-6  # of the mass of a link, what added mass has to leave of it
+
+
+class FluidResponse:
+    """Make wrenches of what a fluid does to links.
+
+    With ν the link's velocity in its own axes and ν_r that relative to the fluid, Fossen's equations are
+
+        M ν' + C(ν) ν = F - D(ν_r) ν_r - M_A ν_r' - C_A(ν_r) ν_r.
+
+    As F - C ν the sum of all other known forces is taken, and W in place of M⁻¹ (`LinkResponse`). Then
+
+        ν' = (1 + W M_A)⁻¹ (ν'₀ + W F_w),  F_w = -D ν_r - C_A ν_r,
+
+    without an algebraic loop: nothing here depends on what the plant's solver finds. For a free body it is exact, with
+    M_A of any size, where a force of minus M_A times the last step's acceleration, as in Gazebo, diverges where M_A
+    exceeds M. Contacts and motors act on the link as if it had no added mass.
+
+    Over a step h, damping is that of the exponential Euler method: the step's mean acceleration is φ(-h K) ν', with K
+    what ν' loses with ν. With (1 + X + X²/2)⁻¹ in place of exp(-X) (Padé's, second order, L-stable) that is
+
+        (1 + X + X²/2)⁻¹ (1 + X/2) ν',  X = h K.
+
+    So terminal velocities do not depend on the step, a decay is right to second order, and damping of any size stops a
+    link within a step, but never turns it round. The wrench is then F_w - M_A ν' and what the mean lacks of it, from
+    which no inverse of W is needed: a link that cannot move has a W that is singular.
+
+    Args:
+        sources: The controllers, which have a parameter ``link_name``, and their robots.
+        added: The added mass of each link about its origin, in its axes (n×6×6), angular first.
+
+    Raises:
+        InputError: If an added mass takes all the mass of a link.
+
+    Attributes:
+        bodies: The links, and then the bodies that they carry.
+    """
+
+    def __init__(self, sources: Sequence[tuple[ForceController, RobotBody]], added: np.ndarray):
+        self._links = [body.link(source.setup.parameters.link_name) for source, body in sources]
+        self._plant = sources[0][1].plant
+        self._added = added
+        self._step = self._plant.time_step()
+        self.follow(None)
+        self.bodies: list[RigidBody] = [*self._links, *self._response.carried]
+        for (members, *_), response in zip(self._groups, self._response.responses, strict=True):
+            effective = np.eye(response.shape[-1]) + response @ _blocks(added, members)
+            for every in members[np.linalg.eigvals(effective).real.min(axis=1) < _LEAST]:
+                raise _negative(*sources[every[0]])
+
+    def follow(self, masses: Context | None) -> None:
+        """Respond as links with the masses in a context of the plant do; without one as those as built."""
+        self._response = LinkResponse(self._plant, self._links, masses)
+        self._groups = []
+        for members, response in zip(self._response.groups, self._response.responses, strict=True):
+            mass = _blocks(self._added, members)
+            unit = np.eye(response.shape[-1])
+            after = np.linalg.inv(unit + response @ mass)
+            before = np.linalg.inv(unit + mass @ response)
+            self._groups.append((members, unit, after, after @ response, before))
+
+    def wrenches(self, motion: Motion, fluid: np.ndarray, slope: np.ndarray) -> np.ndarray:
+        """Return the wrench on each of the `bodies`; none on what links carry.
+
+        Args:
+            motion: How the `bodies` move.
+            fluid: The wrench F_w on each link (n×6).
+            slope: How much smaller that becomes with each velocity (n×6×6).
+        """
+        free = self._response.free_acceleration(motion)
+        found = np.zeros_like(motion.V_B)
+        found[: len(fluid)] = fluid
+        for members, unit, after, mobility, before in self._groups:
+            own = fluid[members].reshape(len(members), -1, 1)
+            mean = after @ free[members].reshape(len(members), -1, 1) + mobility @ own
+            found[members] -= (self._added[members] @ mean.reshape(*members.shape, 6, 1))[..., 0]
+            if self._step > 0.0:
+                slopes = self._step * _blocks(slope, members)
+                X = mobility @ slopes
+                half = unit + X / 2
+                stepped = np.linalg.solve(unit + X @ half, half @ mean)
+                lost = before @ (slopes @ (half @ stepped - mean / 2))
+                found[members] -= lost.reshape(*members.shape, 6)
+        return found
+
+
+def _negative(source: ForceController, body: RobotBody) -> InputError:
+    link, robot = source.setup.parameters.link_name, body.plant.GetModelInstanceName(body.instance)
+    what = f"the added mass of link {link!r} is negative and takes all of its mass; SNAME's xDotU is negative"
+    return InputError(f"robot {robot!r}: controller {source.setup.name}: {what}")
+
+
+def _blocks(matrices: np.ndarray, members: np.ndarray) -> np.ndarray:
+    """Return matrices (n×6×6) of the members of groups (g×k) as block diagonals (g×6k×6k)."""
+    count = members.shape[1]
+    found = np.zeros((len(members), 6 * count, 6 * count))
+    for place in range(count):
+        part = slice(6 * place, 6 * place + 6)
+        found[:, part, part] = matrices[members[:, place]]
+    return found

@@ -1,0 +1,148 @@
+"""The systems of gz-sim for vehicles in water and airships, as controllers that exert forces."""
+
+from typing import Any
+
+from drake_twin.description.added_mass import fluid_added_mass
+from drake_twin.description.gazebo_drive import (
+    EACH_STEP,
+    HYDRODYNAMICS,
+    LIGHTER_THAN_AIR,
+    THRUSTER,
+    CannotWorkError,
+    DrivePlugin,
+    GazeboDrive,
+    Servo,
+    gazebo_plugin,
+)
+from drake_twin.description.sname import coefficient_name
+
+_LARGEST = 1000.0  # N or rad/s, of a command
+
+
+@gazebo_plugin("gz-sim-hydrodynamics-system")
+def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-hydrodynamics-system``: damping, added mass and current of one link."""
+    link = plugin.text("link_name", "")
+    if link not in plugin.description.links:
+        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    coefficients = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
+    parameters: dict[str, object] = {
+        "link_name": link,
+        "coefficients": coefficients,
+        "disable_added_mass": plugin.flag("disable_added_mass", False),
+        "disable_coriolis": plugin.flag("disable_coriolis", False),
+        "default_current": list(plugin.vector("default_current")),
+    }
+    plugin.has("water_density")  # which gz-sim does not use
+    space = plugin.text("namespace", "").strip("/")
+    topic = f"/model/{space}/ocean_current" if space else "/ocean_current"
+    return plugin.drive(
+        HYDRODYNAMICS,
+        parameters,
+        topics={"ocean_current": "ocean_current" if space else "/ocean_current"},
+        gz_topics={"ocean_current": topic},
+        warnings=tuple(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
+    )
+
+
+def _brakes(tag: str) -> bool:
+    """Tell whether a coefficient acts along the axis of its velocity, against that or its change."""
+    axes = coefficient_name(tag)
+    if axes is None or axes.force != axes.velocity:
+        return False
+    return axes.other is None or (axes.is_absolute and axes.other == axes.force)
+
+
+def _wrong_way(tag: str, value: float) -> str:
+    is_mass = "Dot" in tag
+    does, what = ("takes mass from the link", "added mass") if is_mass else ("drives the link", "damping")
+    return f"<{tag}> is {value:g} and {does}, as in gz-sim: {what} is negative in SNAME's notation"
+
+
+# Element → gz-sim's default.
+_NUMBERS = {
+    "alpha_1": 1.0,
+    "alpha_2": 0.0,
+    "wake_fraction": 0.2,
+    "fluid_density": 1000.0,
+    "propeller_diameter": 0.02,
+    "deadband": 0.0,
+}
+
+
+@gazebo_plugin("gz-sim-thruster-system")
+def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-thruster-system``: a propeller, its thrust and what turns it."""
+    (joint,) = plugin.joints("joint_name")[:1]
+    parameters: dict[str, Any] = {tag: plugin.number(tag, default) for tag, default in _NUMBERS.items()}
+    for tag in ("fluid_density", "propeller_diameter"):
+        if parameters[tag] <= 0.0:
+            raise plugin.error(f"<{tag}> is {parameters[tag]:g}, and has to be above zero")
+    is_constant = plugin.has("thrust_coefficient")
+    tag = "thrust_coefficient" if is_constant else "alpha_1"
+    parameters[tag] = plugin.number(tag, 1.0)
+    if parameters[tag] == 0.0:
+        raise plugin.error(f"<{tag}> is 0, so that there is no thrust")
+    largest, smallest = plugin.number("max_thrust_cmd", _LARGEST), plugin.number("min_thrust_cmd", -_LARGEST)
+    warnings = []
+    if largest < smallest:
+        what = f"<max_thrust_cmd> is less than <min_thrust_cmd>: commands are within {_LARGEST:g}, as in gz-sim"
+        largest, smallest, warnings = _LARGEST, -_LARGEST, [what]
+    if is_constant and (plugin.has("alpha_1") or plugin.has("alpha_2")):
+        warnings.append("<alpha_1> and <alpha_2> are of no use beside <thrust_coefficient>, as in gz-sim")
+    of_speed, is_direct = plugin.flag("use_angvel_cmd", False), plugin.flag("velocity_control", False)
+    parameters |= {
+        "joint_name": joint,
+        "max_thrust_cmd": largest,
+        "min_thrust_cmd": smallest,
+        "use_angvel_cmd": of_speed,
+        "velocity_control": is_direct,
+        "update_rate": EACH_STEP,
+    }
+    gain = plugin.number("p_gain", 0.1)
+    if gain < 0.0:
+        raise CannotWorkError(f"<p_gain> is {gain:g}: the propeller would run away")
+    for unused in ("i_gain", "d_gain"):
+        plugin.has(unused)  # which gz-sim does not use
+    space = plugin.text("namespace", "{model}").strip("/")
+    below = plugin.text("topic", "").strip("/")
+    gz = f"/{space}/{below}" if below else f"/model/{space}/joint/{joint}"
+    ros = below or f"joint/{joint}"
+    command = "cmd_vel" if of_speed else "cmd_thrust"
+    names = {command: "" if below else f"/{command}", "enable_deadband": "/enable_deadband"}
+    names |= {"force": "/force"} if of_speed else {"ang_vel": "/ang_vel"}
+    return plugin.drive(
+        THRUSTER,
+        parameters,
+        topics={own: ros + name for own, name in names.items()},
+        gz_topics={own: gz + name for own, name in names.items()},
+        interfaces=((joint, "velocity"),),
+        servos={} if is_direct else {(joint, "velocity"): Servo(gain)},
+        warnings=tuple(warnings),
+    )
+
+
+_OF_HULL = (
+    *("force_inviscid_coeff", "force_viscous_coeff", "moment_inviscid_coeff", "moment_viscous_coeff"),
+    *("eps_v", "axial_drag_coeff"),
+)
+
+
+@gazebo_plugin("gz-sim-lighter_than_air_dynamics-system", "gz-sim-lighter-than-air-dynamics-system")
+def lighter_than_air_dynamics_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-lighter_than_air_dynamics-system``: the air about the hull of an airship."""
+    link = plugin.text("link_name", "")
+    if link not in plugin.description.links:
+        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    for tag in _OF_HULL:
+        if not plugin.has(tag):
+            raise CannotWorkError(f"<{tag}> is missing")
+    density = plugin.number("air_density", 1.225)
+    if density < 0.0:
+        raise plugin.error(f"<air_density> is {density:g}, and has to be zero or more")
+    added = fluid_added_mass(plugin.description.text, link, plugin)
+    if added is None:
+        raise CannotWorkError(f"link {link!r} has no <fluid_added_mass>")
+    parameters: dict[str, Any] = {tag: plugin.number(tag, 0.0) for tag in _OF_HULL}
+    parameters |= {"link_name": link, "air_density": density, "fluid_added_mass": added.ravel().tolist()}
+    return plugin.drive(LIGHTER_THAN_AIR, parameters)
