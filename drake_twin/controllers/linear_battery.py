@@ -7,7 +7,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.periodic_controller import PeriodicController, Update
+from drake_twin.controllers.periodic_controller import COMMANDED_MOTION, PeriodicController, Update
 from drake_twin.controllers.registry import controller
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import LINEAR_BATTERY
@@ -114,15 +114,16 @@ class LinearBattery(PeriodicController):
 
     Behaves as gz-sim's LinearBatteryPlugin (from its sources): in each physics step the current follows power /
     voltage with a time constant, the charge is its integral, and the voltage is linear in the charge, less what the
-    resistance takes. The steps since the last update are made at an update, 50 times a second, and a message or a
-    joint that begins to move counts from the update before it. Unlike there, motion is what starts the load, and not
-    a command of motion, and an empty battery does not stop the joints.
+    resistance takes. The steps since the last update are made at an update, 50 times a second, and what starts or ends
+    the load counts from the update before it: a message, or the first velocity or effort that is commanded. Unlike
+    there, a joint that follows a position starts it by its motion, and an empty battery does not stop the joints.
 
     .. pydrake_system::
 
         name: LinearBattery
         input_ports:
         - state
+        - commanded_motion
         - draining
         - recharge_start
         - recharge_stop
@@ -130,6 +131,7 @@ class LinearBattery(PeriodicController):
         - battery_state
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s).
+    - ``commanded_motion``: vector of one element that is not zero while a velocity or an effort is commanded.
     - ``draining``: ``std_msgs/msg/Bool``, whether it has its load, as `BatterySwitch`.
     - ``recharge_start``, ``recharge_stop``: ``std_msgs/msg/Bool`` of any value; with ``charging_time`` only.
     - ``battery_state``: ``sensor_msgs/msg/BatteryState`` of the last update; None while inactive.
@@ -146,9 +148,13 @@ class LinearBattery(PeriodicController):
         super().__init__(setup)
         names = _TOPICS if setup.parameters.charging_time else _TOPICS[:1]
         self._ports = {name: self.declare_topic_input(name, "std_msgs/msg/Bool") for name in names}
-        driven = [item for item in setup.description.controlled_joints.values() if item.command_interfaces]
+        self._commanded = self.declare_robot_input(COMMANDED_MOTION, 1)
         places = setup.layout.velocities
-        self._moving = [places[item.name] for item in driven if item.name in places]
+        self._moving = [
+            places[joint.name]
+            for joint in setup.description.controlled_joints.values()
+            if joint.name in places and any(item.name == "position" for item in joint.command_interfaces)
+        ]
         step = setup.physics_step or setup.update_period
         self._steps = max(1, round(setup.update_period / step))
         self._step = setup.update_period / self._steps
@@ -191,6 +197,9 @@ class LinearBattery(PeriodicController):
         return memory
 
     def _moves(self, context: Context) -> bool:
+        """Return whether the robot is commanded to move, or a joint moves that follows a position."""
+        if self._commanded.HasValue(context) and self._commanded.Eval(context)[0]:
+            return True
         if not self._moving:
             return False
         state = self.get_state_input_port().Eval(context)

@@ -95,7 +95,7 @@ def test_an_empty_battery_keeps_what_it_has_until_it_is_recharged():
 def battery(**changes):
     parameters = parameters_of(LINEAR_BATTERY, **CELL | {"start_draining": False, "charging_time": 0.01} | changes)
     run = LinearBattery(setup_of(LinearBattery, parameters, physics_step=0.001))
-    return Running(run, state=[0.0] * 4, draining=None, recharge_start=None, recharge_stop=None)
+    return Running(run, state=[0.0] * 4, commanded_motion=[0.0], draining=None, recharge_start=None, recharge_stop=None)
 
 
 def test_messages_start_and_end_load_and_recharge_in_their_order():
@@ -155,9 +155,9 @@ CART = """<sdf version="1.9"><model name="cart"><link name="rail"/>
 <joint name="to_world" type="fixed"><parent>world</parent><child>rail</child></joint>
 <link name="mass"><inertial><mass>2</mass></inertial></link>
 <joint name="slide" type="prismatic"><parent>rail</parent><child>mass</child><axis><xyz>1 0 0</xyz></axis></joint>
-<plugin filename="gz-sim-joint-controller-system" name="gz::sim::systems::JointController">
+<plugin filename="gz-sim-{kind}-system" name="gz">
 <joint_name>slide</joint_name><topic>/go</topic></plugin>
-<plugin filename="gz-sim-linearbatteryplugin-system" name="gz::sim::systems::LinearBatteryPlugin">{}</plugin>
+<plugin filename="gz-sim-linearbatteryplugin-system" name="gz::sim::systems::LinearBatteryPlugin">{elements}</plugin>
 </model></sdf>"""
 ELEMENTS = (
     "<battery_name>cell</battery_name><voltage>12</voltage><smooth_current_tau>0.01</smooth_current_tau>"
@@ -171,8 +171,8 @@ STATE = "/cart/battery/cell/state"
 def cart(tmp_path):
     """Builds a twin of a mass on a rail, with a battery."""
 
-    def build(more="", elements=ELEMENTS, time_step=0.001):
-        (tmp_path / "cart.sdf").write_text(CART.format(elements + more))
+    def build(more="", elements=ELEMENTS, time_step=0.001, kind="joint-controller"):
+        (tmp_path / "cart.sdf").write_text(CART.format(elements=elements + more, kind=kind))
         builder = TwinBuilder(world=World(), time_step=time_step)
         return builder.robot("cart", tmp_path / "cart.sdf", xyz=(0, 0, 1)).build()
 
@@ -185,13 +185,35 @@ def used(twin):
 
 
 @pytest.mark.parametrize("time_step", [0.001, 0.01])
-def test_a_joint_that_moves_starts_the_load(cart, time_step):
+def test_a_velocity_that_is_commanded_starts_the_load(cart, time_step):
     twin = cart(time_step=time_step)
     twin.advance_to(1.0)
     assert used(twin) == 0.0
     twin.publish("/cart/go", {"data": 0.5})
     twin.advance_to(4.0)
     assert used(twin) == pytest.approx(2.0 * 3.0, rel=0.01)
+
+
+def test_a_commanded_motion_starts_the_load_and_a_joint_that_is_pushed_does_not():
+    run = battery()
+    run.fix("state", [0.0, 0.0, 1.0, 1.0])
+    run.advance(0.1)
+    assert run.output("battery_state").power_supply_status == 4
+    run.fix("commanded_motion", [1.0])
+    run.advance(0.2)
+    assert run.output("battery_state").power_supply_status == 2
+    run.fix("commanded_motion", [0.0])
+    run.advance(0.3)
+    assert run.output("battery_state").power_supply_status == 2
+
+
+def test_a_joint_that_moves_to_a_position_starts_the_load(cart):
+    twin = cart(kind="joint-position-controller")
+    twin.advance_to(0.5)
+    assert used(twin) == 0.0
+    twin.publish("/cart/go", {"data": 0.5})
+    twin.advance_to(1.5)
+    assert used(twin) == pytest.approx(2.0, rel=0.05)
 
 
 def test_messages_of_any_type_on_its_topics_start_and_end_the_load(cart):
