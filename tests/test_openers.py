@@ -45,6 +45,7 @@ ALLOWED = {
     "extensions.py": "the twin's own modules and what is installed beside them",
     "messages/store.py": "the installed package rosbags",
     "messages/interface_texts.py": "the twin's own texts",
+    "description/docs.py": "the twin's own tests",
     "nodes/docs.py": "the twin's own texts",
     "nodes/ros_members.py": "the twin's own modules",
     "nodes/stand_ins.py": "the twin's own texts",

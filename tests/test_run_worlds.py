@@ -71,15 +71,19 @@ def test_a_world_with_robots_in_it_runs_by_itself(tmp_path, crate_world):
     assert result["robots"]["mine"]["base_pose"][:2] == pytest.approx([1, 5], abs=0.02)
 
 
+def test_a_world_without_robots_runs_by_itself(tmp_path, crate_world):
+    result = summary_of(tmp_path, crate_world, "--duration", 0.1)
+    assert result["robots"] == {}
+
+
 @pytest.mark.parametrize(
     ("more", "what"),
     [
-        ([], "no model of this world has a plugin that drives it"),
         (["--robots", "2"], "is a world: it cannot be combined with --world, --robots, --robot or name:=value"),
         (["speed:=1"], "is a world: it cannot be combined with"),
     ],
 )
-def test_a_world_without_robots_is_refused_with_the_way_to_use_it(crate_world, capsys, more, what):
+def test_a_world_with_other_robots_is_refused_with_the_way_to_use_it(crate_world, capsys, more, what):
     assert main([str(crate_world), *more, "--headless"]) == 2
     error = capsys.readouterr().err
     assert what in error

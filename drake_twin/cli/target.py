@@ -240,7 +240,7 @@ def _is_world(file: Path) -> bool:
     """Return whether a file is a world of SDF."""
     if file.suffix not in (".sdf", ".world"):
         return False
-    text = re.sub(r"<!--.*?-->", "", _start_of(file), flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>", "", _start_of(file), flags=re.DOTALL)
     return re.search(r"<sdf\b[^>]*>\s*<world\b", text) is not None
 
 
@@ -325,7 +325,7 @@ def _world_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
         raise InputError(f"{what}; --world {name} puts it around other robots")
     folders = tuple(package_paths(options))
     read = _ReadWorld.of(str(_own_or(name)), folders)
-    if not read.robots:
+    if read.absent and not read.robots:
         what = "no model of this world has a plugin that drives it, so it holds no robot"
         absent = "".join(f". {item}" for item in read.absent)
         raise InputError(f"{what}: --world {name} puts it around robots{absent}", file=_own_or(name))

@@ -307,7 +307,7 @@ class TopicsPanel:
         """Publish a message to a controller, or to the node programs that listen."""
         twin, topic, data = self._twin, request.topic, _message(request)
         type_ = self._listeners_type(topic)
-        if topic in twin.built.commanded or type_ is None or twin.more_topics is None:
+        if twin.graph.hears(topic) or type_ is None or twin.more_topics is None:
             twin.publish(topic, data)
             return
         try:

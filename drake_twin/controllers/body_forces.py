@@ -2,8 +2,8 @@
 
 A kind of them is two classes in one file: a `ForceController`, one for each robot, with its parameters and topics, and
 its `BodyForces`, which computes in NumPy what all controllers of the kind exert, in one call for each evaluation. One
-system of the diagram, `drake_twin.systems.applied_forces.AppliedForces`, reads the motion of the bodies once for all
-kinds, and Drake's own `Propeller` applies the sums.
+system of the diagram, `drake_twin.controllers.applied_forces.AppliedForces`, reads the motion of the bodies once for
+all kinds, and Drake's own `Propeller` applies the sums.
 """
 
 from abc import ABC, abstractmethod
@@ -61,26 +61,62 @@ class RobotBody:
         return np.array(self.plant.gravity_field().gravity_vector())
 
 
-@dataclass(frozen=True)
 class Motion:
-    """How bodies move at one time.
+    """How bodies move at one time. What is not asked for is not gathered; what is asked for twice is gathered twice.
+
+    Args:
+        time: The time (s); of a plant with steps the middle of the step, since forces are constant in it.
+        state: The plant's ``[q; v]``.
+        poses: The pose X_WB of each body that forces act on (m×3×4, m).
+        velocities: Its velocity, in its own axes (m×6): angular (rad/s), then that of its origin (m/s).
+        places: The index there of each body that is meant (n).
+        applied: The wrenches that the kinds before this one exert on each, about its origin and in its own axes (m×6);
+            None for no such wrenches.
 
     Attributes:
-        time: The time (s); of a plant with steps the middle of the step, since forces are constant in it.
-        R_WB: The orientation of each body, shape (n, 3, 3).
-        origins: The place of its origin in the world frame (n×3, m).
-        V_B: Its velocity, in its own axes (n×6): angular (rad/s), then that of its origin (m/s).
+        time: The time (s).
         state: The plant's ``[q; v]``.
-        applied: The wrenches that the kinds before this one exert on the bodies, about their origins and in their own
-            axes (n×6): N·m, then N.
     """
 
-    time: float
-    R_WB: np.ndarray
-    origins: np.ndarray
-    V_B: np.ndarray
-    state: np.ndarray
-    applied: np.ndarray
+    __slots__ = ("_applied", "_places", "_poses", "_velocities", "state", "time")
+
+    def __init__(
+        self,
+        time: float,
+        state: np.ndarray,
+        poses: np.ndarray,
+        velocities: np.ndarray,
+        places: np.ndarray,
+        applied: np.ndarray | None = None,
+    ):
+        self.time, self.state = time, state
+        self._poses, self._velocities, self._places, self._applied = poses, velocities, places, applied
+
+    @property
+    def R_WB(self) -> np.ndarray:
+        """The orientation of each body, shape (n, 3, 3)."""
+        rotations: np.ndarray = self._poses[self._places, :, :3]
+        return rotations
+
+    @property
+    def origins(self) -> np.ndarray:
+        """The place of its origin in the world frame (n×3, m)."""
+        origins: np.ndarray = self._poses[self._places, :, 3]
+        return origins
+
+    @property
+    def V_B(self) -> np.ndarray:
+        """Its velocity, in its own axes (n×6): angular (rad/s), then that of its origin (m/s)."""
+        velocities: np.ndarray = self._velocities[self._places]
+        return velocities
+
+    @property
+    def applied(self) -> np.ndarray:
+        """The wrenches that the kinds before this one exert on it, about its origin and in its own axes (n×6)."""
+        if self._applied is None:
+            return np.zeros((len(self._places), 6))
+        applied: np.ndarray = self._applied[self._places]
+        return applied
 
 
 class BodyForces(ABC):

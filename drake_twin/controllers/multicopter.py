@@ -141,10 +141,10 @@ class VelocityCommand(Frozen):
 class RotorForces(BodyForces):
     """Thrust, drag and moments of all rotors.
 
-    A rotor of speed ω has the thrust k |ω| ω along its axis, and against the velocity v across its axis the drag
-    c |ω| v and the moment r |ω| v. The moment of its drag is its thrust times a length. All acts on the body that
-    carries the rotor: a force through a joint's axis is the same there. The lag of its speed is that of a first-order
-    filter.
+    A rotor of speed ω has the thrust ``k |ω| ω`` along its axis, and against the velocity v across its axis the drag
+    ``c |ω| v`` and the moment ``r |ω| v``. The moment of its drag is its thrust times a length. All acts on the body
+    that carries the rotor: a force through a joint's axis is the same there. The lag of its speed is that of a
+    first-order filter.
     """
 
     def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):

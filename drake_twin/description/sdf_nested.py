@@ -119,17 +119,36 @@ def _flatten(model: etree._Element, reader: XmlReader, lost: list[etree._Element
         scoped |= {f"{own}::{name}": new for name, new in names.items()}
         scoped |= {f"{own}::{name}": names[middle] for name, middle in inner.items() if middle in names}
         scoped[own] = names["__model__"]
-        _move(nested, model, names["__model__"], lost)
+        links = [link.get("name", "") for link in nested.findall("link")]
+        canonical_link = names.get(nested.get("canonical_link", ""), links[0] if links else "")
+        _move(nested, model, names["__model__"], canonical_link, lost)
     rename(model, scoped)
     return scoped
 
 
-def _move(nested: etree._Element, model: etree._Element, frame: str, lost: list[etree._Element]) -> None:
+def _move(
+    nested: etree._Element, model: etree._Element, frame: str, canonical_link: str, lost: list[etree._Element]
+) -> None:
+    """Move what a model holds into the one around it.
+
+    Args:
+        nested: The model.
+        model: The one around it.
+        frame: The name of its frame there.
+        canonical_link: The link that its frame is attached to, so that joints can name the model.
+        lost: What is left out is added.
+    """
     placed = etree.SubElement(model, "frame", name=frame)
+    if nested.find("pose") is None:
+        etree.SubElement(nested, "pose").text = "0 0 0 0 0 0"
+    if canonical_link:
+        placed.set("attached_to", canonical_link)
     self_collide = nested.find("self_collide")
     for child in list(nested):
         if child.tag == "pose":
             placed.append(child)
+            if canonical_link and not child.get("relative_to"):
+                child.set("relative_to", "__model__")
         elif child.tag in ("link", "frame", "joint", "plugin"):
             model.append(child)
             if child.tag == "frame" and not child.get("attached_to"):

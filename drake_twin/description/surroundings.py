@@ -1,4 +1,4 @@
-"""What the sensors of a world measure beside its models: where on Earth it is, its magnetic field, its lights."""
+"""What a world has beside its models: where on Earth it is, its magnetic field, its lights, its wind."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
@@ -60,19 +60,21 @@ SUN = Light()  # model://sun
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a world file says for its sensors.
+    """What a world file says for sensors, and of the air.
 
     Attributes:
         spherical: Where on Earth its origin is; None if the file does not say so.
         magnetic_field: In the world frame (T); SDF's default.
         lights: Its lights; the sun without a file.
         background: The color of the sky: red, green, blue (0 to 1); SDF's default.
+        wind: The velocity of the air, in the world frame (m/s).
     """
 
     spherical: SphericalCoordinates | None = None
     magnetic_field: Vector3 = (5.5645e-6, 22.8758e-6, -42.3884e-6)
     lights: tuple[Light, ...] = (SUN,)
     background: Vector3 = (0.7, 0.7, 0.7)
+    wind: Vector3 = (0.0, 0.0, 0.0)
 
 
 def read_surroundings(
@@ -81,7 +83,7 @@ def read_surroundings(
     included: Iterable[tuple[etree._Element, XmlReader]],
     lost: Callable[[InputError], None],
 ) -> Surroundings:
-    """Read ``<spherical_coordinates>``, ``<magnetic_field>``, ``<scene>`` and the lights of a world.
+    """Read ``<spherical_coordinates>``, ``<magnetic_field>``, ``<scene>``, ``<wind>`` and the lights of a world.
 
     Args:
         reader: The world's document.
@@ -97,6 +99,9 @@ def read_surroundings(
         "scene/background": lambda element: {"background": _vector(reader, element)},
         "magnetic_field": lambda element: (
             {"magnetic_field": _vector(reader, element)} if (element.text or "").strip() else {}
+        ),
+        "wind/linear_velocity": lambda element: (
+            {"wind": _velocity(reader, element)} if (element.text or "").strip() else {}
         ),
         "spherical_coordinates": lambda element: {"spherical": _spherical(reader, element)},
     }
@@ -177,6 +182,11 @@ def read_light(element: etree._Element, reader: XmlReader) -> Light:
         cone_angle=number("spot/outer_angle", 0.0),
         casts_shadows=is_true(element.findtext("cast_shadows")),
     )
+
+
+def _velocity(reader: XmlReader, element: etree._Element) -> Vector3:
+    x, y, z = reader.parse_numbers(element, element.text or "", str(element.tag), 3)
+    return x, y, z
 
 
 def _vector(reader: XmlReader, element: etree._Element) -> Vector3:

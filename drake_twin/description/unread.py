@@ -21,6 +21,7 @@ from drake_twin.description.used_elements import (
     SDF_MODEL,
     SDF_PHYSICS,
     SDF_SPHERICAL,
+    SDF_WIND,
     SEVERAL,
     URDF,
     Part,
@@ -35,7 +36,7 @@ _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its na
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
-    **dict.fromkeys(("lift", "wind"), "the twin has no air"),
+    "wind": "the world's wind blows on rotors, wings and aircraft alone",
     "battery": "the twin has no batteries",
 }
 
@@ -82,10 +83,10 @@ def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
 
 
 def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:
-    """Report what of a world is not SDF: flags, numbers, and elements of its lights, physics and place on Earth."""
+    """Report what of a world is not SDF: flags, numbers, elements of its lights, physics, wind and place on Earth."""
     from drake_twin.description.sdf_values import wrong_numbers
 
-    parts = {"light": SDF_LIGHT, "physics": SDF_PHYSICS, "spherical_coordinates": SDF_SPHERICAL}
+    parts = {"light": SDF_LIGHT, "physics": SDF_PHYSICS, "spherical_coordinates": SDF_SPHERICAL, "wind": SDF_WIND}
     found = ((element, part) for tag, part in parts.items() for element in world.iterfind(tag))
     unread = (each for element, part in found for each in _unread(element, part))
     names = _findings(reader, (each for each in unread if not _has_no_effect(each[0], each[1])))

@@ -133,6 +133,7 @@ SDF_LIGHT = _part(
     spot=_part(texts="inner_angle outer_angle falloff"),
 )
 SDF_PHYSICS = _part("name type default", "max_step_size real_time_factor real_time_update_rate max_contacts gravity")
+SDF_WIND = _part(texts="linear_velocity")
 SDF_SPHERICAL = _part(texts="surface_model latitude_deg longitude_deg elevation heading_deg world_frame_orientation")
 # Elements of SDF that need no finding in a world: how things look, contact (`unused_contact` reports it), and what
 # `sdf_model` reports itself, with models, plugins, sensors and lights inside.

@@ -31,6 +31,7 @@ from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
 from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins
 from drake_twin.description.world_sensors import SensorsOfModel
+from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -41,9 +42,9 @@ from drake_twin.values import is_true
 _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
 
 # Elements of a world that are used; and those that are not worth a finding.
-_USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates"}
+_USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates", "wind"}
 _OF_SCENE = ("background", "shadows")
-_SILENT = {"atmosphere", "light", "wind", "audio"}
+_SILENT = {"atmosphere", "light", "audio"}
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,8 @@ class WorldFile:
         models: The models, in file order.
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
-        surroundings: Where on Earth it is, and its magnetic field.
+        surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
+        wrench_systems: Its plugins that push single links by topics.
         plugins: Its plugins that exert forces on what moves.
     """
 
@@ -107,6 +109,7 @@ class WorldFile:
     findings: tuple[Finding, ...] = ()
     file: Path | None = None
     surroundings: Surroundings = field(default_factory=Surroundings)
+    wrench_systems: tuple[WrenchSystem, ...] = ()
     plugins: tuple[WorldPlugin, ...] = ()
 
 
@@ -195,6 +198,7 @@ class _World:
         wrong = unread_in_world(self._reader, world)
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
+        wrench_systems = tuple(read_wrench_systems(self._reader, world, self._lose))
         of_plugins = list(read_world_plugins(self._reader, world))
         self._findings += (item for item in of_plugins if isinstance(item, Finding))
         physics = next(
@@ -215,6 +219,7 @@ class _World:
             ),
             file=self._reader.file,
             surroundings=surroundings,
+            wrench_systems=wrench_systems,
             plugins=tuple(item for item in of_plugins if isinstance(item, WorldPlugin)),
         )
 
@@ -362,7 +367,7 @@ class _World:
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
                 plugin = GazeboPlugin(child.get("filename", ""), child.get("name", ""))
-                is_done = plugin_kind(plugin) in DONE_HERE or is_world_plugin(plugin)
+                is_done = plugin_kind(plugin) in DONE_HERE | {WRENCH_SYSTEM} or is_world_plugin(plugin)
                 if is_done or misspelt_plugin(plugin):  # `unread` says so
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename') or '?'}"

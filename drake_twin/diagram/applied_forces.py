@@ -11,11 +11,11 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, Mu
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.primitives import ConstantValueSource, Multiplexer, PassThrough
 
+from drake_twin.controllers.applied_forces import AppliedForces
 from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
 from drake_twin.controllers.world_forces import WorldForces
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments, bodies_that_gain_energy
 from drake_twin.findings import Finding, Kind
-from drake_twin.systems.applied_forces import AppliedForces
 
 # No robot has such names.
 _ON_LINKS = "forces/on_links"

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SensorSurroundings:
-    """What the sensors of all robots are built in.
+    """What the sensors and controllers of all robots are built in.
 
     Attributes:
         plant: The finalized plant.
@@ -41,6 +41,7 @@ class SensorSurroundings:
         noise: Whether there is noise.
         world: The world's file; None without one.
         renderer: What draws the pictures of cameras.
+        wind: The velocity of the air (m/s).
     """
 
     plant: MultibodyPlant
@@ -50,6 +51,7 @@ class SensorSurroundings:
     noise: bool = True
     world: "WorldFile | None" = None
     renderer: LazyRenderer = field(default_factory=LazyRenderer)
+    wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)

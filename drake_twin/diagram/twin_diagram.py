@@ -32,6 +32,7 @@ from drake_twin.diagram.sensors_of_twin import add_sensors
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.world_forces import forces_of_world
+from drake_twin.diagram.world_in_plant import wind_of
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.plans import plan_robots, world_of
@@ -223,7 +224,14 @@ def _build(
     """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
     surroundings = SensorSurroundings(
-        parts.plant, parts.scene_graph, scenario.time_step, scenario.seed, scenario.sensor_noise, world_file, renderer
+        parts.plant,
+        parts.scene_graph,
+        scenario.time_step,
+        scenario.seed,
+        scenario.sensor_noise,
+        world_file,
+        renderer,
+        wind_of(scenario.world, world_file),
     )
     robots = {
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)

@@ -77,6 +77,13 @@ def _gravity(world: World, world_file: "WorldFile | None") -> tuple[float, float
     return _GRAVITY if world_file is None else world_file.gravity
 
 
+def wind_of(world: World, world_file: "WorldFile | None") -> tuple[float, float, float]:
+    """Return the velocity of the air in a world (m/s)."""
+    if world.wind is not None:
+        return world.wind
+    return (0.0, 0.0, 0.0) if world_file is None else world_file.surroundings.wind
+
+
 def _check_names(scenario: Scenario, world_file: "WorldFile") -> None:
     names = {model.name for model in world_file.models}
     for robot in scenario.robots:

@@ -63,6 +63,7 @@ class World:
             `model_poses` gives it one.
         bridged: Of the sensors of the file's models: topic in Gazebo → the topic in ROS that a bridge publishes it on;
             None where no bridge runs, so that each one is published below its model's name.
+        wind: The velocity of the air in the world frame (m/s); by default the file's, or none.
     """
 
     gravity: Vector3 | None = None
@@ -74,6 +75,7 @@ class World:
     model_poses: Mapping[str, tuple[float, float, float, float, float, float]] = field(default_factory=dict)
     model_copies: Mapping[str, str] = field(default_factory=dict)
     bridged: Mapping[str, str] | None = None
+    wind: Vector3 | None = None
 
     @property
     def has_own_ground(self) -> bool:
@@ -266,8 +268,8 @@ class ScenarioError(InputError):
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     yield from misfits(scenario, unchecked=("data",))  # a command's data is checked by its controller
-    if not (scenario.robots or scenario.nodes):
-        yield ("robots",), "a twin needs at least one robot, or a node program that spawns one"
+    if not (scenario.robots or scenario.nodes or scenario.world.file):
+        yield ("robots",), "a twin needs at least one robot, a world, or a node program that spawns one"
     if not scenario.time_step > 0:
         yield ("time_step",), f"{scenario.time_step:g} s is not positive"
     elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:
@@ -345,7 +347,8 @@ def _far_away(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         for index, item in enumerate(items)
         for part in ("xyz", "rpy")
     }
-    for path, vector in {("world", "gravity"): scenario.world.gravity or (), **vectors}.items():
+    vectors |= {("world", part): getattr(scenario.world, part) or () for part in ("gravity", "wind")}
+    for path, vector in vectors.items():
         for index, value in enumerate(vector):
             if abs(value) > LARGEST:
                 yield (*path, index), f"{value:g} is out of bounds: valid are {-LARGEST:g} to {LARGEST:g}"

@@ -87,8 +87,8 @@ class Entities(Group, path="twin.entities"):
             session.rebuild(replace(scenario, world=world, pushes=pushes))
             return
         kept = tuple(item for item in scenario.robots if item.name != robot)
-        if not (kept or scenario.nodes):
-            raise InputError(f"Entity [{robot}] is the last one: a twin needs at least one robot.")
+        if not (kept or scenario.nodes or scenario.world.file):
+            raise InputError(f"Entity [{robot}] is the last one: a twin needs at least one robot or a world.")
         commanded = session.built.commanded.values()
         own = {item.topic for item in commanded if item.robot == robot}
         own -= {item.topic for item in commanded if item.robot != robot}

@@ -87,6 +87,15 @@ def find_body(built: TwinDiagram, entity: str) -> RigidBody:
     raise InputError(f"Entity [{entity}] does not exist.", value=str(entity), valid=valid)
 
 
+def exists(built: TwinDiagram, entity: str) -> bool:
+    """Return whether there is an entity of a name."""
+    try:
+        find_body(built, entity)
+    except InputError:
+        return False
+    return True
+
+
 def _free_bodies(built: TwinDiagram, entity: str) -> list[RigidBody]:
     """Return the bodies of a robot or model that float; none of a link."""
     instances = (built.robots[entity].instance,) if entity in built.robots else built.world_models.get(entity, ())

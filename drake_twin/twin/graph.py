@@ -24,6 +24,7 @@ from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
 from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
+from drake_twin.twin.wrench_topics import WrenchTopics
 from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
@@ -37,6 +38,7 @@ class Graph(Group, path="twin.graph"):
     def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
         super().__init__(session, stepper, recorder)
         self._unheard: set[str] = set()
+        self._wrenches = WrenchTopics(session)
         self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
 
     def topics(self) -> dict[str, str]:
@@ -44,7 +46,7 @@ class Graph(Group, path="twin.graph"):
         built = self._session.built
         published = {item.topic: item.type for item in built.published.values()}
         published = {item.name: item.type for item in self.events.endpoints} | published
-        return published | {item.topic: item.type for item in built.commanded.values()}
+        return published | {item.topic: item.type for item in built.commanded.values()} | self._wrenches.types
 
     def actions(self) -> dict[str, str]:
         """Return action → ROS action type."""
@@ -65,7 +67,7 @@ class Graph(Group, path="twin.graph"):
         built, (diagram, known) = self._session.built, self._endpoints
         if diagram is not built.diagram:
             more = (item for item in self.events.endpoints if item.name not in built.published)
-            new = *endpoints_of(built), *more
+            new = *endpoints_of(built), *self._wrenches.endpoints(), *more
             self._endpoints = built.diagram, known if new == known else new
         return self._endpoints[1]
 
@@ -103,10 +105,17 @@ class Graph(Group, path="twin.graph"):
         """Publish a command that is not recorded, such as a timed one; see `Twin.publish`."""
         self._deliver(topic, data)
 
+    def hears(self, topic: str) -> bool:
+        """Return whether the twin listens to a topic."""
+        return topic in self._session.built.commanded or topic in self._wrenches.types
+
     def _deliver(self, topic: Any, data: Any) -> None:
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
+        if item is None and isinstance(topic, str) and topic in self._wrenches.types:
+            self._wrenches.hear(topic, data)
+            return
         item = item or self.command_topic(topic)
         heard, refused = False, None
         for port in session.physics.built.listeners[item.topic]:
@@ -145,6 +154,9 @@ class Graph(Group, path="twin.graph"):
         Raises:
             InputError: If no controller listens to the topic, or its controller refuses the data.
         """
+        if isinstance(topic, str) and topic in self._wrenches.types:
+            self._wrenches.read(topic, data)
+            return
         item = self.command_topic(topic)
         try:
             self._session.controls[item.robot].read(item, data)

@@ -36,7 +36,7 @@ from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
 from drake_twin.twin.varied_parameters import SET_AT_START, needs_build
-from drake_twin.twin.wrenches import Wrenches
+from drake_twin.twin.wrenches import Wrenches, first_wrenches
 
 # What goes wrong with saved values of another kind than they should be; some of Drake's checks end the process.
 _UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError, TwinError, SystemExit)
@@ -339,7 +339,7 @@ class Session:
         self.clock.go_to(0)
         self.physics.start_at_rest()
         self.commands.start(self.scenario.commands)
-        self.wrenches.start(self.physics.pushes)
+        self.wrenches.start(self.physics.pushes, first_wrenches(self.built))
         for control in self.controls.values():
             control.start()
         self.physics.detachable_joints.follow()

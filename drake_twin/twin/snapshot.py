@@ -16,7 +16,8 @@ from drake_twin.typed_data import field_types, misfit
 from drake_twin.values import is_number
 from drake_twin.versions import SAVED_STATE
 
-_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters"}  # entries that are left out where they are empty
+# Entries that are left out where they are empty.
+_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters", "steady_wrenches"}
 
 
 @saved("Snapshot")
@@ -42,6 +43,7 @@ class Snapshot:
         pushes: The scenario's pushes that are still to come.
         delayed: The messages that are under way to robots with a command delay: time of arrival, topic and message.
         later_parameters: Robot → node → what has been set of its parameters and is not followed yet.
+        steady_wrenches: The wrenches without an end, also on entities that do not exist.
 
     Raises:
         InputError: If an entry is invalid.
@@ -64,6 +66,7 @@ class Snapshot:
     pushes: list[Any] = field(default_factory=list)
     delayed: list[tuple[float, str, Any]] = field(default_factory=list)
     later_parameters: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    steady_wrenches: list[Any] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():

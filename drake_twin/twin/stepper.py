@@ -133,7 +133,7 @@ class Stepper:
         if wrenches.items or wrenches.pushes:
             wrenches.update(clock)
         else:
-            wrenches.before = (), ()
+            wrenches.before = (), (), wrenches.steady
         session.commands.apply(time, self._publish_scheduled)
         if not physics.detachable_joints.is_empty:
             physics.detachable_joints.follow()

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.scenario import LONGEST_TIME, Push
 from drake_twin.twin.clock import Clock
-from drake_twin.twin.entity_state import Wrench
+from drake_twin.twin.entity_state import Wrench, exists
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.pull import PERIOD, Pull, with_force
@@ -22,7 +23,8 @@ class Wrenches:
     Attributes:
         items: The wrenches and pulls; the tuple is replaced, never changed.
         pushes: The scenario's pushes that are still to come.
-        before: Both before the last `update`, for `take_back`.
+        steady: Wrenches without an end, also on entities that do not exist.
+        before: All before the last `update`, for `take_back`.
     """
 
     _physics: Physics
@@ -30,7 +32,8 @@ class Wrenches:
     def __init__(self) -> None:
         self.items: Acting = ()
         self.pushes: tuple[Push, ...] = ()
-        self.before: tuple[Acting, tuple[Push, ...]] = (), ()
+        self.steady: tuple[Wrench, ...] = ()
+        self.before: tuple[Acting, tuple[Push, ...], tuple[Wrench, ...]] = (), (), ()
 
     @property
     def pulls(self) -> tuple[Pull, ...]:
@@ -43,14 +46,15 @@ class Wrenches:
         self.items = tuple(item for item in self.items if item.entity.partition("::")[0] in entities)
         self.pushes = tuple(item for item in self.pushes if item.entity.partition("::")[0] in entities)
 
-    def start(self, pushes: Sequence[Push]) -> None:
-        """Remove all wrenches; the pushes of a scenario, with their forces, are ahead."""
+    def start(self, pushes: Sequence[Push], steady: Sequence[Wrench] = ()) -> None:
+        """Remove all wrenches but some without an end; the pushes of a scenario, with their forces, are ahead."""
+        self.steady = tuple(steady)
         self.put(())
         self.pushes = tuple(pushes)
 
     def update(self, clock: Clock) -> None:
         """End and begin what is due at the present step, and renew the springs' forces."""
-        self.before = self.items, self.pushes
+        self.before = self.items, self.pushes, self.steady
         if self.items:
             self.drop_ended(clock.time)
             self.renew(clock)
@@ -61,7 +65,7 @@ class Wrenches:
 
     def take_back(self) -> None:
         """Undo the last `update`: the step that was to follow has failed."""
-        items, self.pushes = self.before
+        items, self.pushes, self.steady = self.before
         self.put(items)
 
     def due_steps(self, clock: Clock) -> list[int]:
@@ -73,7 +77,13 @@ class Wrenches:
     def put(self, items: Sequence[Wrench | Pull]) -> None:
         """Replace the wrenches."""
         self.items = tuple(items)
-        self._physics.set_wrenches(self.items)
+        present = [item for item in self.steady if exists(self._physics.built, item.entity)]
+        self._physics.set_wrenches((*self.items, *present))
+
+    def keep(self, steady: Sequence[Wrench]) -> None:
+        """Replace the wrenches without an end."""
+        self.steady = tuple(steady)
+        self.put(self.items)
 
     def drop_ended(self, time: float) -> None:
         """Remove the wrenches that have ended at a time (s)."""
@@ -99,7 +109,8 @@ class Wrenches:
     def state(self) -> dict[str, Any]:
         """Return the entries of a snapshot that this part keeps."""
         state = {"wrenches": to_plain(self.items)}
-        return state | {"pushes": [to_plain(push) for push in self.pushes]} if self.pushes else state
+        state |= {"pushes": [to_plain(push) for push in self.pushes]} if self.pushes else {}
+        return state | ({"steady_wrenches": [to_plain(item) for item in self.steady]} if self.steady else {})
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Set the entries that `state` returned.
@@ -107,11 +118,23 @@ class Wrenches:
         Raises:
             ValueError: If they are invalid.
         """
+        steady = tuple(map(from_plain, state.get("steady_wrenches", ())))
+        if not all(isinstance(item, Wrench) for item in steady):
+            raise ValueError("what acts without an end is not a wrench")
+        self.steady = steady
         self.put(from_plain(state["wrenches"]))
         pushes = tuple(map(from_plain, state.get("pushes", ())))
         if not all(isinstance(push, Push) for push in pushes):
             raise ValueError("what is to come is not a push")
         self.pushes = pushes
+
+
+def first_wrenches(built: TwinDiagram) -> tuple[Wrench, ...]:
+    """Return the wrenches that act from the start, also on entities that do not exist."""
+    systems = () if built.world_file is None else built.world_file.wrench_systems
+    return tuple(
+        Wrench(item.entity, item.force, item.torque, LONGEST_TIME) for system in systems for item in system.persistent
+    )
 
 
 def _wrench(push: Push, clock: Clock) -> Wrench:

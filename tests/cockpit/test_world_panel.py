@@ -231,7 +231,7 @@ def test_an_edit_that_is_refused_is_a_message_and_nothing_to_undo(twin):
     it = FakePage(twin)
     do(it, "Look", version=0, node="")
     for fields, what in (
-        ({"do": "Remove", "entity": "rover"}, "is the last one"),
+        ({"do": "Remove", "entity": "sun"}, "Entity [sun] does not exist"),
         ({"do": "Duplicate", "entity": "sun"}, "unknown robot 'sun'. Valid: rover"),
         ({"do": "Place", "entity": "sun", "xyz": [0, 0, 0], "rpy": [0, 0, 0]}, "Entity [sun] does not exist"),
     ):

@@ -189,3 +189,26 @@ def test_the_tree_that_is_fixed_to_the_world_is_the_robots_base(tmp_path):
     fallen = 0.5 * 9.81 * 0.5**2
     expected = [(0, 5, -fallen), (1, 5, 2), (2, 5, 2 - fallen), (3, 5, 2)]
     np.testing.assert_allclose(positions(twin, "base", *"abc"), expected, atol=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("canonical", "links"),
+    [("", "tip grip"), (' canonical_link="tip"', "tip grip"), (' canonical_link="grip"', "grip tip")],
+)
+@pytest.mark.parametrize(("pose", "x"), [("<pose>0 0.5 2 0 0 0</pose>", (0.0, 0.5, 1.0)), ("", (0.0, 0.0, -1.0))])
+def test_a_joint_may_name_a_model_inside_for_its_canonical_link(tmp_path, canonical, links, pose, x):
+    """The joint is in the frame of that model, wherever its link is: at x of the rod, and turns about y."""
+    first, second = links.split()
+    (tmp_path / "arm.sdf").write_text(f"""<sdf version="1.9"><model name="arm"><link name="base">{INERTIAL}</link>
+<link name="rod"><pose>0 0 1 0 0 0</pose>{INERTIAL}</link>
+<joint name="turn" type="revolute"><parent>base</parent><child>rod</child><axis><xyz>1 0 0</xyz></axis></joint>
+<model name="hand"{canonical}>{pose}
+<link name="tip"><pose>0 1 0 0 0 0</pose>{INERTIAL}</link><link name="grip"><pose>0 0 3 0 0 0</pose>{INERTIAL}</link>
+<joint name="both" type="fixed"><parent>{first}</parent><child>{second}</child></joint></model>
+<joint name="wrist" type="revolute"><parent>rod</parent><child>hand</child><axis><xyz>0 1 0</xyz></axis></joint>
+</model></sdf>""")
+    twin = TwinBuilder(world=World(gravity=(0, 0, 0))).robot("arm", tmp_path / "arm.sdf").build()
+    twin.entities.set_joint_positions("arm", {"wrist": np.pi / 2})
+    place = {link: twin.entities.state(f"arm::{link}", "arm::rod").position for link in ("hand_tip", "hand_grip")}
+    assert place["hand_tip"] == pytest.approx(np.add(x, (0, 1, 0)), abs=1e-9)
+    assert place["hand_grip"] == pytest.approx(np.add(x, (3, 0, 0)), abs=1e-9)

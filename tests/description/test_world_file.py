@@ -228,6 +228,20 @@ def test_lights_of_a_world_and_of_what_it_includes(tmp_path):
     assert sun == SUN
 
 
+@pytest.mark.parametrize(
+    ("body", "wind"),
+    [
+        ("", (0.0, 0.0, 0.0)),
+        ("<wind/>", (0.0, 0.0, 0.0)),
+        ("<wind><linear_velocity/></wind>", (0.0, 0.0, 0.0)),
+        ("<wind><linear_velocity> 1 -2.5\n0.5 </linear_velocity></wind>", (1.0, -2.5, 0.5)),
+    ],
+)
+def test_the_wind_of_a_world(tmp_path, body, wind):
+    world = world_of(tmp_path, body)
+    assert (world.surroundings.wind, world.findings) == (wind, ())
+
+
 LINK = '<link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link>'
 
 
@@ -238,6 +252,9 @@ LINK = '<link name="l"><collision name="c"><geometry><box><size>1 1 1</size></bo
         ('<light name="x"><diffuse>a b c</diffuse></light>', ["h"], "diffuse is 'a', which is not a number"),
         ("<scene><background><color>1 0 0</color></background></scene>", ["h"], "three numbers are needed"),
         ("<magnetic_field>1 2</magnetic_field>", ["h"], "three numbers are needed"),
+        ("<wind><linear_velocity>1 2 3 4</linear_velocity></wind>", ["h"], "three numbers are needed"),
+        ("<wind><linear_velocity>1 2 nan</linear_velocity></wind>", ["h"], "is 'nan', which is not finite"),
+        ("<wind><speed>3</speed></wind>", ["h"], "<speed>"),
         (
             "<spherical_coordinates><latitude_deg>91</latitude_deg></spherical_coordinates>",
             ["h"],

@@ -1,7 +1,7 @@
 """Draws the picture of the page and the film that the README shows.
 
-``python tests/docs/draw_page.py drake_twin/docs/two_rovers.png``: two rovers drive for 9 s; the camera follows one, a wheel's
-position is in a plot, and time stands still at the end.
+``python tests/docs/draw_page.py drake_twin/docs/two_rovers.png``: two rovers drive for 9 s; the camera follows one, a
+wheel's position is in a plot, and time stands still at the end.
 
 ``python tests/docs/draw_page.py drake_twin/docs/rovers_and_arm.webp``: ten seconds of
 `diagrams/rovers_and_arm.yaml`, filmed as anyone can film it.

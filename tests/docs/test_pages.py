@@ -55,7 +55,7 @@ def test_every_picture_is_drawn_by_a_program_of_the_repository():
     ready_made = [*(ROOT / "diagrams").glob("*.yaml"), *(ROOT / "diagrams").glob("*.launch.*")]
     diagrams = {f"diagrams/{file.name.partition('.')[0]}.svg" for file in ready_made}  # tests/diagram compares them
     assert shown == set(DRAWN_BY)
-    assert there == diagrams | {"drake_twin/docs/two_rovers.png"}
+    assert there == diagrams
     places = {"tests": ROOT, "drake_twin": Path(drake_twin.__file__).parents[1]}  # which may be installed elsewhere
     assert all((places[program.partition("/")[0]] / program).is_file() for program in DRAWN_BY.values())
 

@@ -95,7 +95,7 @@ class AppliedForces(WitnesslessSystem):
             known = total
             if forces.is_last and self._pushes is not None and (pushes := self._pushes.Eval(context)):
                 known = total + self._of_pushes(pushes, R_WB)
-            motion = Motion(time, R_WB[places], self._poses[places, :, 3], V_B[places], state, known[places])
+            motion = Motion(time, state, self._poses, V_B, places, known)
             total += sums @ forces.wrenches(motion, _NO_SIGNALS if signals is None else signals[part])
         output.SetFromVector(total.ravel())
 
