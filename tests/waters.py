@@ -46,11 +46,11 @@ POST = """<robot name="post"><link name="world"/><link name="top"><inertial><mas
 <joint name="foot" type="fixed"><parent link="world"/><child link="top"/></joint></robot>"""
 
 
-def twin_of(folder, body, step=0.001, robots=None):
+def twin_of(folder, body, step=0.001, robots=None, **options):
     """A twin of a world with models in it, and robots: name → (their SDF, xyz, rpy)."""
     file = folder / "water.sdf"
     file.write_text(f'<sdf version="1.9"><world name="water">{body}</world></sdf>')
-    builder = TwinBuilder(time_step=step, world=World(file=str(file), ground=False))
+    builder = TwinBuilder(time_step=step, world=World(file=str(file), ground=False), **options)
     if robots is None:
         (folder / "post.urdf").write_text(POST)
         builder.robot("post", folder / "post.urdf", xyz=(50, 0, 0))

@@ -253,8 +253,8 @@ class Cockpit:
                 self._switch_to(robot, controller)
             case protocol.MoveJoint(topic, index, value):
                 self._commands.move(topic, index, value)
-            case protocol.Drive(topic, x, y, turn):
-                self._teleop.drive(client, topic, (x, y, turn))
+            case protocol.Drive(topic, x, y, turn, up):
+                self._teleop.drive(client, topic, (x, y, turn, up))
             case protocol.EmergencyStop(robot):
                 twin.control.emergency_stop(robot)
                 self._commands.forget()

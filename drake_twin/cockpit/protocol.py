@@ -139,12 +139,13 @@ class PoseJoint(Request):
 
 @dataclass(frozen=True)
 class Drive(Request):
-    """Drive a base with velocities (m/s, m/s, rad/s), which hold while the request is repeated."""
+    """Drive a base with velocities (m/s, m/s, rad/s, m/s upwards), which hold while the request is repeated."""
 
     topic: str
     x: float
     y: float
     turn: float
+    up: float = 0.0
 
 
 @dataclass(frozen=True)

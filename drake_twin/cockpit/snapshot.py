@@ -52,7 +52,7 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
                     if group.robot == plan.name and not only_displayed
                 ],
                 "drives": [
-                    {"topic": topic, "controller": controller}
+                    {"topic": topic, "controller": controller, "flies": teleop.flies(topic)}
                     for topic, (robot, controller) in teleop.topics.items()
                     if robot == plan.name and not only_displayed
                 ],

@@ -6,6 +6,8 @@ from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
 from drake_twin.twin.twin import Twin
 
+Velocities = tuple[float, float, float, float]  # forward, to the left (m/s), turning left (rad/s), upwards (m/s)
+
 _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 _MOST_SILENT_FRAMES = 15  # half a second without a request from the browser, after which the base is stopped
 
@@ -13,7 +15,7 @@ _MOST_SILENT_FRAMES = 15  # half a second without a request from the browser, af
 @dataclass
 class _Driver:
     client: int
-    velocities: tuple[float, float, float]
+    velocities: Velocities
     silent_frames: int = 0
 
 
@@ -36,8 +38,13 @@ class Teleop:
         }
         self._drivers: dict[str, _Driver] = {}
 
-    def drive(self, client: int, topic: str, velocities: tuple[float, float, float]) -> None:
-        """Set the velocities of a base: forward (m/s), to the left (m/s), turning left (rad/s).
+    def flies(self, topic: str) -> bool:
+        """Return whether what a topic drives can go upwards."""
+        robot, controller = self.topics[topic]
+        return self._twin.built.parts[robot].controllers[controller].flies
+
+    def drive(self, client: int, topic: str, velocities: Velocities) -> None:
+        """Set the velocities of a base.
 
         Raises:
             InputError: If the topic does not drive a base.
@@ -71,7 +78,7 @@ class Teleop:
                 del self._drivers[topic]
                 continue
             gone = driver.silent_frames >= _MOST_SILENT_FRAMES
-            velocities = (0.0, 0.0, 0.0) if gone else driver.velocities
+            velocities = (0.0, 0.0, 0.0, 0.0) if gone else driver.velocities
             if gone or not any(velocities):
                 del self._drivers[topic]
             driver.silent_frames += 1
@@ -81,7 +88,7 @@ class Teleop:
                 self._drivers.pop(topic, None)
                 raise
 
-    def _message(self, topic: str, velocities: tuple[float, float, float]) -> dict[str, Any]:
-        x, y, turn = velocities
-        twist = {"linear": {"x": x, "y": y}, "angular": {"z": turn}}
+    def _message(self, topic: str, velocities: Velocities) -> dict[str, Any]:
+        x, y, turn, up = velocities
+        twist = {"linear": {"x": x, "y": y, "z": up}, "angular": {"z": turn}}
         return {"twist": twist} if self._twin.built.commanded[topic].type == _STAMPED else twist

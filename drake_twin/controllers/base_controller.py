@@ -96,6 +96,7 @@ class Controller(WitnesslessSystem):
     Attributes:
         Parameters: A frozen dataclass, read by `drake_twin.description.parameters.read_parameters`.
         needs_command_interfaces: Whether ``<ros2_control>`` must have the interfaces that it claims, as in ROS.
+        flies: Whether the velocities that it follows may be upwards.
         setup: What the controller was built from.
         claims: The command interfaces that it writes.
         feedforward: Unclaimed interfaces that the joint servo takes as feedforward: the velocity of a position.
@@ -111,6 +112,7 @@ class Controller(WitnesslessSystem):
 
     Parameters: ClassVar[type]
     needs_command_interfaces: ClassVar[bool] = True
+    flies: ClassVar[bool] = False
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:

@@ -226,6 +226,7 @@ class Multicopter(ForceController, StatefulController):
     Parameters: ClassVar[type] = MulticopterParameters
     Forces: ClassVar[type[BodyForces]] = RotorForces
     needs_command_interfaces = False
+    flies = True
 
     @classmethod
     def claimed_interfaces(

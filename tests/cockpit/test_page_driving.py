@@ -4,7 +4,10 @@
 
 import pytest
 from browser import BROWSER_TESTS, browser, folder, show
+from multicopters import quadcopter
 from robots_to_steer import CMD_VEL, driven_rovers
+
+from drake_twin import TwinBuilder
 
 pytestmark = BROWSER_TESTS
 
@@ -77,3 +80,38 @@ def test_closing_the_drivers_tab_stops_the_robot_and_not_the_twin(driven):
     it.frames(lambda: not forward_speed(it))
     start = it.twin.time
     it.frames(lambda: it.twin.time > start + 0.2)
+
+
+def test_what_flies_goes_up_and_down_by_keys_and_buttons_too(show, tmp_path):
+    file = tmp_path / "x3.sdf"
+    file.write_text(quadcopter(controlled=True))
+    it, tab = show(TwinBuilder(time_step=0.004).robot("uav", file, xyz=(0, 0, 1)).scenario())
+
+    def climb():
+        command = it.twin.graph.command("/uav/command/twist")
+        return command and command.linear[2]
+
+    folder(tab, "uav").get_by_role("button", name="Keys and gamepad").click()
+    tab.keyboard.down("r")
+    it.frames(lambda: climb() == 0.5)
+    heights = []  # it has fallen until its first command
+
+    def has_risen():
+        heights.append(it.twin.robot_state("uav").base_pose[2])
+        return heights[-1] > min(heights) + 0.05
+
+    it.frames(has_risen)
+    tab.keyboard.up("r")
+    it.frames(lambda: climb() == 0.0)
+    box = folder(tab, "uav").get_by_label("uav Downwards").bounding_box()
+    tab.mouse.move(box["x"] + 10, box["y"] + 10)
+    tab.mouse.down()
+    it.frames(lambda: climb() == -0.5)
+    tab.mouse.up()
+    it.frames(lambda: climb() == 0.0)
+
+
+def test_what_drives_has_no_buttons_for_heights(driven):
+    _, tab = driven
+    assert folder(tab).get_by_label("robot_1 Forwards").is_visible()
+    assert not folder(tab).get_by_label("robot_1 Upwards").count()

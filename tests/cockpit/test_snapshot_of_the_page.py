@@ -21,7 +21,8 @@ def test_each_robot_has_its_own_drives(tmp_path):
             structure(twin, JointCommands(twin), Teleop(twin), only_displayed=only) for only in (False, True)
         )
     for robot in shown["robots"]:
-        assert robot["drives"] == [{"topic": f"/{robot['name']}/drive/cmd_vel", "controller": "drive"}]
+        topic = f"/{robot['name']}/drive/cmd_vel"
+        assert robot["drives"] == [{"topic": topic, "controller": "drive", "flies": False}]
     assert [robot["drives"] for robot in hidden["robots"]] == [[], []]
 
 

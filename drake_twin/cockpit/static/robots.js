@@ -130,7 +130,7 @@ class RobotFolder {
 
   addDrives(robot) {
     this.drives = robot.drives.map((drive) => {
-      const pad = this.teleop.pad(robot.name, drive.topic);
+      const pad = this.teleop.pad(robot.name, drive);
       const button = this.switchTo(drive.controller, "Drive");
       pad.node.firstChild.after(button);
       this.body.append(pad.node);

@@ -1,20 +1,22 @@
-// Driving: pad, keyboard (WASD and arrows, Q and E sideways) and gamepad. A robot drives while the command is repeated.
+// Driving: pad, keyboard (WASD and arrows, Q and E sideways, R and F up and down) and gamepad. A robot drives while the command is repeated.
 
 import { element, Slider } from "./dom.js";
 
 const PERIOD = 100; // ms
 const DEAD_ZONE = 0.12;
 const KEYS = {
-  KeyW: [1, 0, 0],
-  ArrowUp: [1, 0, 0],
-  KeyS: [-1, 0, 0],
-  ArrowDown: [-1, 0, 0],
-  KeyA: [0, 0, 1],
-  ArrowLeft: [0, 0, 1],
-  KeyD: [0, 0, -1],
-  ArrowRight: [0, 0, -1],
-  KeyQ: [0, 1, 0],
-  KeyE: [0, -1, 0],
+  KeyW: [1, 0, 0, 0],
+  ArrowUp: [1, 0, 0, 0],
+  KeyS: [-1, 0, 0, 0],
+  ArrowDown: [-1, 0, 0, 0],
+  KeyA: [0, 0, 1, 0],
+  ArrowLeft: [0, 0, 1, 0],
+  KeyD: [0, 0, -1, 0],
+  ArrowRight: [0, 0, -1, 0],
+  KeyQ: [0, 1, 0, 0],
+  KeyE: [0, -1, 0, 0],
+  KeyR: [0, 0, 0, 1],
+  KeyF: [0, 0, 0, -1],
 };
 const PAD = [
   ["KeyQ", "◀", "Sideways left"],
@@ -23,6 +25,10 @@ const PAD = [
   ["KeyA", "↺", "Turn left"],
   ["KeyS", "▼", "Backwards"],
   ["KeyD", "↻", "Turn right"],
+];
+const HEIGHTS = [
+  ["KeyR", "⤒", "Upwards"],
+  ["KeyF", "⤓", "Downwards"],
 ];
 
 export class Teleop {
@@ -36,20 +42,20 @@ export class Teleop {
     document.addEventListener("visibilitychange", () => this.release());
   }
 
-  pad(robot, topic) {
+  pad(robot, { topic, flies }) {
     const speed = new Slider({ label: "Speed", name: `${robot} speed`, unit: "m/s", lower: 0, upper: 2, step: 0.01, onmove: () => {} });
     const turn = new Slider({ label: "Turning", name: `${robot} turning`, unit: "rad/s", lower: 0, upper: 4, step: 0.01, onmove: () => {} });
     speed.show(0.5);
     turn.show(1);
-    const pad = { robot, topic, speed, turn, wasMoving: false };
+    const pad = { robot, topic, flies, speed, turn, wasMoving: false };
     pad.button = element("button", {
       class: "drive",
       "aria-pressed": "false",
       text: "Keys and gamepad",
-      title: "WASD or arrows drive, Q and E go sideways, Esc ends it",
+      title: `WASD or arrows drive, Q and E go sideways, ${flies ? "R and F up and down, " : ""}Esc ends it`,
       onclick: () => this.choose(this.driven === pad ? null : pad),
     });
-    const buttons = PAD.map(([code, text, name]) => {
+    const buttons = [...PAD, ...(flies ? HEIGHTS : [])].map(([code, text, name]) => {
       const button = element("button", { text, "aria-label": `${robot} ${name}`, title: `${name} (${code.slice(3)})` });
       const press = (event) => {
         this.choose(pad);
@@ -124,21 +130,22 @@ export class Teleop {
   tick() {
     const pad = this.driven;
     if (!pad) return;
-    const sum = [0, 0, 0];
+    const sum = [0, 0, 0, 0];
     for (const code of this.held) KEYS[code].forEach((value, index) => (sum[index] += value));
     this.gamepad().forEach((value, index) => (sum[index] += value));
-    const [x, y, turn] = sum.map((value) => Math.max(-1, Math.min(1, value)));
-    const moving = x !== 0 || y !== 0 || turn !== 0;
+    const [x, y, turn, up] = sum.map((value) => Math.max(-1, Math.min(1, value)));
+    const climb = pad.flies ? up : 0;
+    const moving = x !== 0 || y !== 0 || turn !== 0 || climb !== 0;
     if (!moving && !pad.wasMoving) return;
     pad.wasMoving = moving;
     const speed = pad.speed.number.valueAsNumber || 0;
-    this.ask("Drive", { topic: pad.topic, x: x * speed, y: y * speed, turn: turn * (pad.turn.number.valueAsNumber || 0) });
+    this.ask("Drive", { topic: pad.topic, x: x * speed, y: y * speed, turn: turn * (pad.turn.number.valueAsNumber || 0), up: climb * speed });
   }
 
   gamepad() {
     const pad = [...(navigator.getGamepads?.() ?? [])].find((each) => each?.connected);
-    if (!pad) return [0, 0, 0];
+    if (!pad) return [0, 0, 0, 0];
     const axis = (index) => (Math.abs(pad.axes[index] ?? 0) > DEAD_ZONE ? -pad.axes[index] : 0);
-    return [axis(1), pad.axes.length > 3 ? axis(0) : 0, pad.axes.length > 3 ? axis(2) : axis(0)];
+    return [axis(1), pad.axes.length > 3 ? axis(0) : 0, pad.axes.length > 3 ? axis(2) : axis(0), axis(3)];
   }
 }
