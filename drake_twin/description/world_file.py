@@ -29,7 +29,7 @@ from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
-from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins
+from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins, take_triggers
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
@@ -190,6 +190,7 @@ class _World:
         self._version = sdf_version(reader.root)
         self._includes = SdfIncludes(packages)
         self._findings: list[Finding] = []
+        self._of_static: list[WorldPlugin | Finding] = []
         self._mended: dict[Finding, dict[str, Place]] = defaultdict(dict)  # what was done → models
 
     def read(self) -> WorldFile:
@@ -199,7 +200,7 @@ class _World:
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
         wrench_systems = tuple(read_wrench_systems(self._reader, world, self._lose))
-        of_plugins = list(read_world_plugins(self._reader, world))
+        of_plugins = [*read_world_plugins(self._reader, world), *self._of_static]
         self._findings += (item for item in of_plugins if isinstance(item, Finding))
         physics = next(
             (item for item in world.findall("physics") if is_true(item.get("default"))), world.find("physics")
@@ -308,6 +309,8 @@ class _World:
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
         robot = None if static else _robot_text(model, version, reader)
+        if static:
+            self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
         before = (*unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))

@@ -35,6 +35,8 @@ class WorldPlugin:
 
 ConvertWorldPlugin: TypeAlias = Callable[[PluginReader], WorldPlugin]
 
+_TRIGGERED = "triggered-publisher-system"
+
 # By the kind of plugin, as `plugin_kind` names it.
 WORLD_PLUGINS: Registry[ConvertWorldPlugin] = Registry(
     "Gazebo plugin of a world", "world_plugin", "drake_twin.world_plugins", ["drake_twin.description.plugins"]
@@ -72,15 +74,31 @@ def read_world_plugins(reader: XmlReader, world: etree._Element) -> Iterator[Wor
     """
     for element in world.findall("plugin"):
         plugin = read_plugin(reader, element)
-        if not is_world_plugin(plugin):
-            continue
-        values = PluginReader(plugin)
-        try:
-            yield WORLD_PLUGINS[plugin_kind(plugin)](values)
-        except CannotWorkError as error:
-            what = f"Gazebo plugin {plugin_node_name(plugin)} ({plugin.filename}): {error}"
-            yield Finding.at(Kind.NOT_STARTED, what, plugin.place)
-            continue
-        common = f" of Gazebo plugin {plugin_node_name(plugin)}"
-        for tag in values.unread:
-            yield Finding.at(Kind.IGNORED, f"<{tag}>{common}", plugin.place, common=common, cause=Cause.UNREAD)
+        if is_world_plugin(plugin):
+            yield from _converted(plugin)
+
+
+def take_triggers(reader: XmlReader, model: etree._Element) -> Iterator[WorldPlugin | Finding]:
+    """Convert those plugins of a static model that only publish messages, and remove them from it.
+
+    Raises:
+        InputError: If a value is invalid; with file and line.
+    """
+    for element in model.findall("plugin"):
+        plugin = read_plugin(reader, element)
+        if plugin_kind(plugin) == _TRIGGERED:
+            model.remove(element)
+            yield from _converted(plugin)
+
+
+def _converted(plugin: GazeboPlugin) -> Iterator[WorldPlugin | Finding]:
+    values = PluginReader(plugin)
+    try:
+        yield WORLD_PLUGINS[plugin_kind(plugin)](values)
+    except CannotWorkError as error:
+        what = f"Gazebo plugin {plugin_node_name(plugin)} ({plugin.filename}): {error}"
+        yield Finding.at(Kind.NOT_STARTED, what, plugin.place)
+        return
+    common = f" of Gazebo plugin {plugin_node_name(plugin)}"
+    for tag in values.unread:
+        yield Finding.at(Kind.IGNORED, f"<{tag}>{common}", plugin.place, common=common, cause=Cause.UNREAD)

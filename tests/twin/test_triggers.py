@@ -7,7 +7,8 @@ import pytest
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Kind
-from drake_twin.scenario import Command, Robot, World
+from drake_twin.nodes.nodes import Nodes
+from drake_twin.scenario import Command, NodeProgram, Robot, World
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.replay import replay
 
@@ -258,3 +259,39 @@ def test_a_bad_value_is_refused_with_its_file_and_line(build, plugin, why):
 def test_a_service_is_ignored_with_a_finding(build):
     twin = build(trigger(START, TOLD, more='<service name="/s" reqType="gz.msgs.Empty"/>'))
     assert "<service> of Gazebo plugin triggered_publisher" in [item.what for item in twin.findings]
+
+
+def test_a_static_model_of_the_world_may_have_one(build):
+    sign = '<link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link>'
+    twin = build(f'<model name="sign"><static>1</static><pose>9 9 9 0 0 0</pose>{sign}{trigger(START, GO)}</model>')
+    twin.publish("/start", {})
+    twin.advance_to(0.1)
+    assert speed(twin) == pytest.approx(1.5, abs=1e-3)
+    assert not [item for item in twin.findings if "trigger" in item.what]
+
+
+NODE = """
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import Empty, Int32
+
+rclpy.init()
+node = Node("pupil")
+heard = []
+node.create_subscription(Int32, "/told", lambda message: heard.append(message.data), 10)
+publisher = node.create_publisher(Empty, "/start", 10)
+node.create_timer(0.1, lambda: publisher.publish(Empty()))
+while len(heard) < 3:
+    rclpy.spin_once(node)
+raise ValueError(f"heard {heard} at {node.get_clock().now().nanoseconds / 1e9:.1f}")
+"""
+
+
+def test_a_node_triggers_and_hears_what_is_published(build, tmp_path):
+    (tmp_path / "pupil.py").write_text(NODE)
+    twin = build(trigger(START, TOLD))
+    nodes = Nodes(twin, [NodeProgram(str(tmp_path / "pupil.py"))])
+    twin.advance_to(0.5)
+    nodes.close()
+    (finding,) = twin.more_findings
+    assert "heard [7, 7, 7] at 0.3" in str(finding)
