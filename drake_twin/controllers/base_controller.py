@@ -105,8 +105,7 @@ class Controller(WitnesslessSystem):
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
         vector_inputs: Name below the controller's name → vector input port for a user's own systems.
         vector_outputs: Name below the controller's name → vector output port for a user's own systems.
-        robot_inputs: Signal of the robot (``state``, ``true_state``, ``net_actuation``, ``gpio_states``) → its input
-            port.
+        robot_inputs: Signal of the robot → its input port, see `declare_robot_input`.
         odometry_frames: Parent and child frame of the port ``tf_odometry``; None without that port.
         warnings: Parameters without effect, as sentences.
     """
@@ -253,7 +252,12 @@ class Controller(WitnesslessSystem):
         return port
 
     def declare_robot_input(self, name: str, size: int) -> InputPort:
-        """Declare a vector input port that takes ``state``, ``true_state``, ``net_actuation`` or ``gpio_states``.
+        """Declare a vector input port that takes a signal of the robot.
+
+        The signals are ``state``, ``true_state``, ``net_actuation``, ``commanded_motion`` and ``gpio_states``.
+
+        ``commanded_motion`` is that of `drake_twin.systems.joint_servo.JointServo`; it is not connected without a
+        servo.
 
         ``true_state`` is the state without the robot's measurement delay.
 

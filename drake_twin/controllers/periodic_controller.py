@@ -17,6 +17,7 @@ from drake_twin.errors import TwinError, described
 from drake_twin.systems.weak_callback import weakly
 
 TRUE_STATE = "true_state"  # the name of the port of the state without the measurement delay
+COMMANDED_MOTION = "commanded_motion"  # the name of the servo's port of this name
 
 
 @dataclass(frozen=True)

@@ -19,14 +19,18 @@ in a module that a program imports, or that the entry-point group ``drake_twin.g
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.controllers_yaml import ControllerParameters
+from drake_twin.description.gazebo_plugins import CannotWorkError as CannotWorkError
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, ros_topic
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 from drake_twin.extensions import Registry
+
+if TYPE_CHECKING:
+    from drake_twin.description.triggers import Trigger
 
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
 
@@ -47,6 +51,9 @@ ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
 LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
+TRIGGERED_PUBLISHER = "gz_sim/TriggeredPublisher"
+KINETIC_ENERGY_MONITOR = "gz_sim/KineticEnergyMonitor"
+LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
@@ -97,6 +104,7 @@ class GazeboDrive:
         is_part: Whether the controller of another plugin does its work.
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
+        triggers: What the twin publishes when it hears messages, beside the controller or without one.
     """
 
     plugin: GazeboPlugin
@@ -117,10 +125,7 @@ class GazeboDrive:
     is_part: bool = False
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
-
-
-class CannotWorkError(Exception):
-    """Raised for a plugin that Gazebo would load, but that would do nothing; the message says why."""
+    triggers: "tuple[Trigger, ...]" = ()
 
 
 class DrivePlugin(PluginReader):

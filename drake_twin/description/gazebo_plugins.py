@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from lxml import etree
 
+from drake_twin.description.plugin_element import PluginElement
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -55,7 +56,15 @@ def read_plugin(reader: XmlReader, plugin: etree._Element) -> GazeboPlugin:
         namespace=None if namespace is None else namespace.strip(),
         elements=elements,
         place=reader.place(plugin),
+        tree=tuple(_tree(plugin)),
     )
+
+
+def _tree(element: etree._Element) -> Iterator[PluginElement]:
+    for child in element:
+        if isinstance(child.tag, str):
+            attributes = {str(name): str(value) for name, value in child.attrib.items()}
+            yield PluginElement(child.tag, attributes, (child.text or "").strip(), tuple(_tree(child)))
 
 
 def _texts(element: etree._Element, above: str = "") -> Iterator[tuple[str, str]]:
@@ -147,6 +156,10 @@ def _words_of(text: str) -> list[str]:
 
 
 _OF_ALL_PLUGINS = {"ros", "ros/namespace", "ros/remapping", "ros/argument"}
+
+
+class CannotWorkError(Exception):
+    """Raised for a plugin that Gazebo would load, but that would do nothing; the message says why."""
 
 
 class PluginReader:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.link_surface import LinkSurface
+from drake_twin.description.plugin_element import GazeboPlugin as GazeboPlugin
 from drake_twin.findings import Place
 
 if TYPE_CHECKING:
@@ -240,27 +241,6 @@ class Sensor:
     place: Place = field(default=Place(""), compare=False)
     text: str = field(default="<sensor/>", compare=False, repr=False)
     places: tuple[Place, ...] = field(default=(), compare=False, repr=False)
-
-
-@dataclass(frozen=True)
-class GazeboPlugin:
-    """A ``<plugin>`` of a ``<gazebo>`` tag, or of an SDF's model.
-
-    Attributes:
-        filename: Its library.
-        name: Its name; gz's plugins give their class.
-        parameters: The controllers' YAML files it names.
-        namespace: The text of ``<ros><namespace>``.
-        elements: Tag → the texts of its elements of that tag, in file order; ``ros/remapping`` for one inside another.
-        place: Where it was written.
-    """
-
-    filename: str
-    name: str
-    parameters: tuple[str, ...] = ()
-    namespace: str | None = None
-    elements: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    place: Place = field(default=Place(""), compare=False)
 
 
 @dataclass(frozen=True)

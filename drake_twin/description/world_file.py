@@ -99,7 +99,7 @@ class WorldFile:
         file: The file it was read from; None for a built-in world.
         surroundings: Where on Earth it is, its magnetic field, its lights and its wind.
         wrench_systems: Its plugins that push single links by topics.
-        plugins: Its plugins that exert forces on what moves.
+        plugins: Its plugins that exert forces on what moves, or publish messages when they hear one.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Plugins of a world that exert forces on all that moves in it: what is read of one, and the registry of them."""
+"""Plugins of a world, such as those that exert forces: what is read of one, and the registry of them."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, TypeAlias
@@ -6,7 +6,13 @@ from typing import Any, TypeAlias
 from lxml import etree
 
 from drake_twin.dataclass import dataclass
-from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, plugin_node_name, read_plugin
+from drake_twin.description.gazebo_plugins import (
+    CannotWorkError,
+    PluginReader,
+    plugin_kind,
+    plugin_node_name,
+    read_plugin,
+)
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.extensions import Registry
@@ -18,7 +24,8 @@ class WorldPlugin:
     """A plugin of a world.
 
     Attributes:
-        type: What exerts its forces, as `drake_twin.controllers.world_forces.WORLD_FORCES` names it.
+        type: What exerts its forces, as `drake_twin.controllers.world_forces.WORLD_FORCES` names it, or
+            `drake_twin.description.gazebo_drive.TRIGGERED_PUBLISHER`.
         parameters: The parameters of that.
     """
 
@@ -53,12 +60,12 @@ def world_plugin(*names: str) -> Callable[[ConvertWorldPlugin], ConvertWorldPlug
 
 
 def is_world_plugin(plugin: GazeboPlugin) -> bool:
-    """Tell whether a plugin of a world is of a kind that exerts forces here."""
+    """Tell whether a plugin of a world is of a kind that does something here."""
     return plugin_kind(plugin) in WORLD_PLUGINS
 
 
 def read_world_plugins(reader: XmlReader, world: etree._Element) -> Iterator[WorldPlugin | Finding]:
-    """Convert the plugins of a world that exert forces, and report their elements that are ignored.
+    """Convert the plugins of a world, and report those that cannot work, and elements that are ignored.
 
     Raises:
         InputError: If a value is invalid; with file and line.
@@ -68,7 +75,12 @@ def read_world_plugins(reader: XmlReader, world: etree._Element) -> Iterator[Wor
         if not is_world_plugin(plugin):
             continue
         values = PluginReader(plugin)
-        yield WORLD_PLUGINS[plugin_kind(plugin)](values)
+        try:
+            yield WORLD_PLUGINS[plugin_kind(plugin)](values)
+        except CannotWorkError as error:
+            what = f"Gazebo plugin {plugin_node_name(plugin)} ({plugin.filename}): {error}"
+            yield Finding.at(Kind.NOT_STARTED, what, plugin.place)
+            continue
         common = f" of Gazebo plugin {plugin_node_name(plugin)}"
         for tag in values.unread:
             yield Finding.at(Kind.IGNORED, f"<{tag}>{common}", plugin.place, common=common, cause=Cause.UNREAD)

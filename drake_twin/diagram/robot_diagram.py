@@ -11,7 +11,7 @@ from pydrake.systems.primitives import DiscreteTimeDelay
 from drake_twin.controllers.base_controller import Controller, ControllerSetup, Upstream
 from drake_twin.controllers.body_forces import ForceController, RobotBody
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
-from drake_twin.controllers.periodic_controller import TRUE_STATE, PeriodicController
+from drake_twin.controllers.periodic_controller import COMMANDED_MOTION, TRUE_STATE, PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.dataclass import dataclass
 from drake_twin.diagram.gpios import add_gpios
@@ -114,6 +114,8 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
                 late.connect(from_plant[source], source, port)
             elif source == TRUE_STATE:
                 inputs.connect(from_plant["state"], "state", port)
+            elif source == COMMANDED_MOTION and servo is not None:
+                builder.Connect(servo.get_commanded_motion_output_port(), port)
         _wire_controller(builder, name, controller, controllers)
     sensors, about_sensors = add_read_sensors(builder, plan, instance, surroundings, controllers, inputs)
     warnings += about_sensors

@@ -38,6 +38,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
+from drake_twin.planning.triggers import OwnedTrigger, about_triggers, plan_triggers
 from drake_twin.planning.world_sensors import ModelPlan, plan_models
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
@@ -67,6 +68,7 @@ class TwinDiagram:
         sensing_models: The models of the world that have sensors.
         shapes: The contact of each collision shape.
         detachable_joints: The joints that come and go.
+        triggers: What publishes messages when it hears one.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -88,6 +90,7 @@ class TwinDiagram:
     sensing_models: tuple[ModelPlan, ...]
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
+    triggers: tuple[OwnedTrigger, ...]
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
     renderer: LazyRenderer
@@ -263,6 +266,8 @@ def _build(
     for plan in plans:
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
+    triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
+    types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()
     diagram.set_name("twin")
@@ -284,6 +289,7 @@ def _build(
         sensing_models=models,
         shapes=parts.shapes,
         detachable_joints=parts.detachable_joints,
+        triggers=triggers,
         extensions=added,
         renderer=renderer,
         findings=(
@@ -294,6 +300,7 @@ def _build(
             *(() if world_file is None else world_file.findings),
             *parts.findings,
             *about_forces,
+            *about_triggers(triggers, *types),
         ),
     )
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.controllers.world_forces import WORLD_FORCES, MovingBody, WorldBodies, WorldForces
 from drake_twin.description.drake_urdf import urdf_link_name
+from drake_twin.description.gazebo_drive import TRIGGERED_PUBLISHER
 from drake_twin.diagram.plant import PlantOfTwin
 
 if TYPE_CHECKING:
@@ -17,7 +18,9 @@ def forces_of_world(parts: PlantOfTwin, world_file: "WorldFile | None") -> list[
         parts: The finalized plant.
         world_file: The content of the world file.
     """
-    if world_file is None or not world_file.plugins:
+    plugins = () if world_file is None else world_file.plugins
+    plugins = tuple(plugin for plugin in plugins if plugin.type != TRIGGERED_PUBLISHER)
+    if not plugins:
         return []
     plant = parts.plant
     names = {robot.instance: name for name, robot in parts.robots.items()}
@@ -30,4 +33,4 @@ def forces_of_world(parts: PlantOfTwin, world_file: "WorldFile | None") -> list[
         if body.index() not in fixed
     ]
     world = WorldBodies(plant, moving)
-    return [WORLD_FORCES[plugin.type](plugin.parameters, world) for plugin in world_file.plugins]
+    return [WORLD_FORCES[plugin.type](plugin.parameters, world) for plugin in plugins]

@@ -46,7 +46,8 @@ def plan_robot(
     )
     own = model.description
     manager = manager_parameters(robot, path, own, packages, arguments)
-    drives, of_drives = usable_drives(gazebo_drives(own), model.is_fixed)
+    plugins = gazebo_drives(own)
+    drives, of_drives = usable_drives(plugins, model.is_fixed)
     description = with_joint_friction(robot, path, with_actuators(own, drives))
     robot = with_plugin_remappings(robot, own, [item.name for item in manager.controllers])
     controllers, of_controllers = plan_controllers(robot, path, description, manager, drives)
@@ -64,6 +65,7 @@ def plan_robot(
         sensors=sensors,
         frame_prefix=prefix,
         findings=Findings(replace(item, robot=robot.name, file=item.file or str(file)) for item in findings),
+        triggers=tuple(trigger for item in plugins for trigger in item.triggers),
     )
 
 

@@ -1,5 +1,7 @@
 """The plan of a robot: what the twin starts of its files, ready to be built."""
 
+from typing import TYPE_CHECKING
+
 from drake_twin.dataclass import dataclass
 from drake_twin.description.controllers_yaml import ControllerManagerParameters
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
@@ -11,6 +13,9 @@ from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.joint_plan import JointPlan
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import Robot, ScenarioError
+
+if TYPE_CHECKING:
+    from drake_twin.description.triggers import Trigger
 
 
 @dataclass(frozen=True)
@@ -26,6 +31,7 @@ class RobotPlan:
         sensors: The sensors that are simulated.
         frame_prefix: The prefix of its link names in tf messages.
         findings: The findings of its files: entries that were not used as they are.
+        triggers: What publishes messages when it hears one, with topics of gz.
     """
 
     robot: Robot
@@ -36,6 +42,7 @@ class RobotPlan:
     sensors: tuple[SensorPlan, ...]
     frame_prefix: str
     findings: Findings
+    triggers: "tuple[Trigger, ...]" = ()
 
     @property
     def hardware_states(self) -> dict[str, str]:

@@ -66,13 +66,15 @@ class JointServo(WitnesslessSystem):
         output_ports:
         - desired_state
         - actuation
+        - commanded_motion
 
     - ``<controller>``, one port for each: that controller's ``command_interfaces`` (rad, rad/s, N·m, or m, m/s, N); NaN
       where it writes nothing.
     - ``desired_state``: vector ``[q_d; v_d]`` in the order of the robot's actuators (rad, rad/s, or m, m/s).
     - ``actuation``: vector of the efforts added to the servos' (N·m or N).
+    - ``commanded_motion``: vector of one element: 1 if a velocity or an effort other than zero is commanded, else 0.
 
-    Both follow from the controllers' ports and the assignment alone, so they are computed once a command. Commands are
+    They follow from the controllers' ports and the assignment alone, so they are computed once a command. Commands are
     clamped to the limits; the first command of each interface that is cut is logged as a warning. An effort drives its
     joint towards the joint's velocity limit, with that effort as the actuator's limit, which belongs to the plant.
 
@@ -117,6 +119,9 @@ class JointServo(WitnesslessSystem):
             "desired_state", 2 * size, weakly(self._calc_desired_state), prerequisites
         )
         self._actuation = self.DeclareVectorOutputPort("actuation", size, weakly(self._calc_actuation), prerequisites)
+        self._commanded_motion = self.DeclareVectorOutputPort(
+            "commanded_motion", 1, weakly(self._calc_commanded_motion), prerequisites
+        )
 
     def get_controller_input_port(self, controller: str) -> InputPort:
         """Return the port of one controller."""
@@ -129,6 +134,10 @@ class JointServo(WitnesslessSystem):
     def get_actuation_output_port(self) -> OutputPort:
         """Return the port ``actuation``."""
         return self._actuation
+
+    def get_commanded_motion_output_port(self) -> OutputPort:
+        """Return the port ``commanded_motion``."""
+        return self._commanded_motion
 
     def assignment(self, context: Context) -> ServoAssignment:
         """Return the present sources of each actuator's set-points."""
@@ -211,6 +220,11 @@ class JointServo(WitnesslessSystem):
         for index, (actuator, _) in self._limited_now(assignment).items() if self._limited else ():
             actuator.set_effort_limit(max(abs(efforts[index]), _NO_EFFORT))
         output.SetFromVector(efforts)
+
+    def _calc_commanded_motion(self, context: Context, output: BasicVector) -> None:
+        assignment, values = self.assignment(context), self._values(context)
+        commands = [values[source] for source in (*assignment.velocities, *assignment.efforts)]
+        output.SetFromVector([float(any(command and not isnan(command) for command in commands))])
 
     def _limited_now(self, assignment: ServoAssignment) -> dict[int, tuple[JointActuator, float]]:
         """Return those whose efforts act up to a velocity limit in their present mode."""

@@ -4,7 +4,8 @@ Any thread may publish; subscribers are called in the thread that advances the t
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from drake_twin.messages.draft import Draft, LaterDraft
@@ -149,7 +150,8 @@ class EventTopics(Mapping[str, EventTopic]):
 
     def __init__(self, owner: Owner, now: Callable[[], float]):
         self.is_waiting = False
-        self._topics = {item.name: EventTopic(owner, item, now, self._note) for item in _ENDPOINTS}
+        self._make = partial(EventTopic, owner, now=now, note=self._note)
+        self._topics = {item.name: self._make(item) for item in _ENDPOINTS}
 
     def __getitem__(self, topic: str) -> EventTopic:
         return self._topics[topic]
@@ -163,7 +165,18 @@ class EventTopics(Mapping[str, EventTopic]):
     @property
     def endpoints(self) -> tuple[Endpoint, ...]:
         """The topics."""
-        return _ENDPOINTS
+        return tuple(topic.endpoint for topic in self._topics.values())
+
+    def use(self, endpoints: Iterable[Endpoint]) -> None:
+        """Have these topics beside the twin's own, and no others."""
+        known, self._topics = self._topics, {item.name: self._topics[item.name] for item in _ENDPOINTS}
+        for item in endpoints:
+            before = known.get(item.name)
+            is_same = before is not None and before.endpoint == item
+            self._topics.setdefault(item.name, before if before is not None and is_same else self._make(item))
+        for name, topic in known.items():
+            if self._topics.get(name) is not topic:
+                topic.close()
 
     def deliver(self) -> None:
         """Call back with the pending messages, in the thread that advances the twin."""

@@ -46,7 +46,9 @@ class Graph(Group, path="twin.graph"):
         built = self._session.built
         published = {item.topic: item.type for item in built.published.values()}
         published = {item.name: item.type for item in self.events.endpoints} | published
-        return published | {item.topic: item.type for item in built.commanded.values()} | self._wrenches.types
+        heard = {item.name: item.type for item in self._session.triggers.endpoints}
+        heard |= {item.topic: item.type for item in built.commanded.values()} | self._wrenches.types
+        return published | heard
 
     def actions(self) -> dict[str, str]:
         """Return action → ROS action type."""
@@ -67,7 +69,10 @@ class Graph(Group, path="twin.graph"):
         built, (diagram, known) = self._session.built, self._endpoints
         if diagram is not built.diagram:
             more = (item for item in self.events.endpoints if item.name not in built.published)
-            new = *endpoints_of(built), *self._wrenches.endpoints(), *more
+            wrenches = self._wrenches.endpoints()
+            pushed = {item.name for item in wrenches}
+            triggers = (item for item in self._session.triggers.endpoints if item.name not in pushed)
+            new = *endpoints_of(built), *wrenches, *triggers, *more
             self._endpoints = built.diagram, known if new == known else new
         return self._endpoints[1]
 
@@ -107,14 +112,21 @@ class Graph(Group, path="twin.graph"):
 
     def hears(self, topic: str) -> bool:
         """Return whether the twin listens to a topic."""
-        return topic in self._session.built.commanded or topic in self._wrenches.types
+        session = self._session
+        is_heard = topic in session.built.commanded or session.triggers.hears(topic)
+        return is_heard or topic in self._wrenches.types
 
     def _deliver(self, topic: Any, data: Any) -> None:
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
-        if item is None and isinstance(topic, str) and topic in self._wrenches.types:
+        is_done = item is None and isinstance(topic, str) and topic in self._wrenches.types
+        if is_done:
             self._wrenches.hear(topic, data)
+        if session.triggers.hears(topic):
+            session.triggers.hear(topic, data)
+            is_done = item is None
+        if is_done:
             return
         item = item or self.command_topic(topic)
         heard, refused = False, None
@@ -154,12 +166,16 @@ class Graph(Group, path="twin.graph"):
         Raises:
             InputError: If no controller listens to the topic, or its controller refuses the data.
         """
+        session = self._session
         if isinstance(topic, str) and topic in self._wrenches.types:
             self._wrenches.read(topic, data)
             return
+        if session.triggers.hears(topic) and topic not in session.built.commanded:
+            session.triggers.check(topic, data)
+            return
         item = self.command_topic(topic)
         try:
-            self._session.controls[item.robot].read(item, data)
+            session.controls[item.robot].read(item, data)
         except CommandError as error:
             raise error.about(topic) from None
 
@@ -197,7 +213,8 @@ class Graph(Group, path="twin.graph"):
         Raises:
             InputError: If no controller listens to the topic.
         """
-        self._session.commands.silenced.add(self.command_topic(topic).topic)
+        is_heard = self._session.triggers.hears(topic)
+        self._session.commands.silenced.add(topic if is_heard else self.command_topic(topic).topic)
 
     @recorded("send_goal")
     def send_goal(self, action: str, goal: Any, on_result: Callable[[ActionGoal], None] | None = None) -> ActionGoal:
@@ -290,9 +307,11 @@ class Graph(Group, path="twin.graph"):
         return None if is_of_diagram else self.events.get(topic)
 
     def feed(self, subscriptions: Subscriptions) -> None:
-        """Let subscriptions take their messages from here."""
+        """Let subscriptions take their messages from here, and triggers give theirs."""
+        self._session.triggers.publish = self.deliver
         subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
         subscriptions.read, subscriptions.publication, subscriptions.draft = self._read, self._publication, self._draft
+        subscriptions.use(self._session.clock.time_step)  # hears the ports of those that there are already
 
     def _publication(self, topic: str, reading: Reading) -> Any:
         item = self._session.physics.built.published.get(topic)

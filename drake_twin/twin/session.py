@@ -35,6 +35,7 @@ from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
+from drake_twin.twin.triggers import Triggers
 from drake_twin.twin.varied_parameters import SET_AT_START, needs_build
 from drake_twin.twin.wrenches import Wrenches, first_wrenches
 
@@ -80,6 +81,7 @@ class Session:
         is_advancing: Returns whether an advance is under way, so that the diagram cannot be built.
         parameters: What is set of the controllers' parameters.
         events: The topics that no port of the diagram has.
+        triggers: What publishes messages when it hears one.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -104,6 +106,8 @@ class Session:
         self.is_advancing: Callable[[], bool] = lambda: False
         self.alarm = Alarm(owner, scenario.time_step)
         self.events = EventTopics(owner, lambda: self.clock.time)
+        self.triggers = Triggers(self.clock, self.events, self.subscriptions)
+        self.triggers.publication = self._publication
         self.parameters = ParameterChanges(self, lambda: self.clock.time)
         TwinLog(self.events[ROSOUT])
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
@@ -203,7 +207,15 @@ class Session:
 
     def parts(self) -> tuple[Part, ...]:
         """Return everything that has state."""
-        return (self.clock, self.physics, self.commands, self.wrenches, *self.controls.values(), self.parameters)
+        return (
+            self.clock,
+            self.physics,
+            self.commands,
+            self.wrenches,
+            *self.controls.values(),
+            self.parameters,
+            self.triggers,
+        )
 
     def state(self) -> dict[str, Any]:
         """Return all entries of a snapshot but the scenario."""
@@ -322,6 +334,11 @@ class Session:
         old.discard()
         self.subscriptions.look_again()
 
+    def _publication(self, port: str) -> Any:
+        """Return the time (s) at which the present message of a port was published; None if it is new."""
+        item = self.built.published.get(port)
+        return None if item is None or item.publication is None else item.publication(self.physics.context)
+
     def _change_to(self, scenario: Scenario) -> None:
         """Use another scenario: set its values if that suffices, else build its diagram."""
         if not needs_build(self.scenario, scenario, self.built.plans):
@@ -340,6 +357,7 @@ class Session:
         self.physics.start_at_rest()
         self.commands.start(self.scenario.commands)
         self.wrenches.start(self.physics.pushes, first_wrenches(self.built))
+        self.triggers.start()
         for control in self.controls.values():
             control.start()
         self.physics.detachable_joints.follow()
@@ -369,4 +387,5 @@ class Session:
         self.controls = controls
         self.parameters.keep(controls)
         self.commands.use(physics, controls, self.clock)
+        self.triggers.use(physics.built)
         self.wrenches.use(physics, (*controls, *physics.built.world_models))

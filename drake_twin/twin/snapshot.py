@@ -17,7 +17,7 @@ from drake_twin.values import is_number
 from drake_twin.versions import SAVED_STATE
 
 # Entries that are left out where they are empty.
-_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters", "steady_wrenches"}
+_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters", "steady_wrenches", "triggered"}
 
 
 @saved("Snapshot")
@@ -44,6 +44,8 @@ class Snapshot:
         delayed: The messages that are under way to robots with a command delay: time of arrival, topic and message.
         later_parameters: Robot → node → what has been set of its parameters and is not followed yet.
         steady_wrenches: The wrenches without an end, also on entities that do not exist.
+        triggered: What publishes messages later, as it has heard one: the time (s), its robot or an empty text for the
+            world, and its number there.
 
     Raises:
         InputError: If an entry is invalid.
@@ -67,6 +69,7 @@ class Snapshot:
     delayed: list[tuple[float, str, Any]] = field(default_factory=list)
     later_parameters: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     steady_wrenches: list[Any] = field(default_factory=list)
+    triggered: list[tuple[float, str, int]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():
@@ -77,6 +80,7 @@ class Snapshot:
             "next_time_step": [] if self.next_time_step is None else [self.next_time_step],
             "expiries": self.expiries.values(),
             "delayed": [time for time, *_ in self.delayed],
+            "triggered": [time for time, *_ in self.triggered],
         }
         counts: dict[str, Iterable[float]] = {"step": [self.step], "schedule": self.schedule}
         for name, values in (numbers | counts).items():

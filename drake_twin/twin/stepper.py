@@ -97,6 +97,12 @@ class Stepper:
                     self._inbox.look()
                     if self.paused:
                         break
+                if session.triggers.pending:
+                    session.triggers.apply()
+                    if session.events.is_waiting:
+                        session.events.deliver()
+                        if self.paused or session.alarm.requests:
+                            break
                 if clock.next_time_step is not None and self.change_time_step():
                     target = step_at(end, clock.time_step)
                     continue
@@ -134,6 +140,7 @@ class Stepper:
             wrenches.update(clock)
         else:
             wrenches.before = (), (), wrenches.steady
+        session.triggers.keep()
         session.commands.apply(time, self._publish_scheduled)
         if not physics.detachable_joints.is_empty:
             physics.detachable_joints.follow()
@@ -241,6 +248,7 @@ class Stepper:
         session = self._session
         session.wrenches.take_back()
         session.commands.take_back()
+        session.triggers.take_back()
         for control in session.controls.values():
             control.take_back()
         session.physics.go_back(start)
@@ -256,6 +264,7 @@ class Stepper:
             session.subscriptions.due_step,
             session.alarm.due_step,
             *session.commands.due_steps(),
+            *session.triggers.due_steps(),
         ]
         if session.wrenches.items or session.wrenches.pushes:
             due += session.wrenches.due_steps(clock)

@@ -51,6 +51,24 @@ def test_a_robot_without_controllers_is_held_where_it_started():
     assert evaluate(make_dut(nothing, {})) == ([0.3, -0.4, 0.0, 0.0], [0, 0])
 
 
+@pytest.mark.parametrize(
+    ("wheels", "arm", "moves"),
+    [
+        ([NAN, NAN], [NAN] * 3, 0),
+        ([0.0, 0.0], [0.7, 0.0, 0.0], 0),
+        ([0.0, 0.1], [NAN] * 3, 1),
+        ([NAN, NAN], [0.7, -0.1, NAN], 1),
+        ([0.0, 0.0], [NAN, NAN, -2.0], 1),
+    ],
+)
+def test_motion_is_commanded_by_velocities_and_efforts(wheels, arm, moves):
+    dut = make_dut(WHEELS_AND_ARM, SIZES)
+    context = dut.CreateDefaultContext()
+    dut.get_controller_input_port("wheels").FixValue(context, wheels)
+    dut.get_controller_input_port("arm").FixValue(context, arm)
+    assert dut.get_commanded_motion_output_port().Eval(context).tolist() == [moves]
+
+
 def test_commands_beyond_the_limits_are_clamped_to_them():
     limit = np.array([[9.0, 0.5, 9.0], [2.0, 9.0, 3.0], [1.0, 4.0, 1.0]])
     dut = make_dut(WHEELS_AND_ARM, SIZES, -limit, limit)

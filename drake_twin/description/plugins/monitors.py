@@ -1,0 +1,24 @@
+"""The systems of gz-sim that watch a model, as controllers that command nothing."""
+
+from drake_twin.description.gazebo_drive import (
+    EACH_STEP,
+    KINETIC_ENERGY_MONITOR,
+    CannotWorkError,
+    DrivePlugin,
+    GazeboDrive,
+    gazebo_plugin,
+)
+
+
+@gazebo_plugin("gz-sim-kinetic-energy-monitor-system")
+def kinetic_energy_monitor_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-kinetic-energy-monitor-system`` to the twin's own controller of this kind."""
+    link = plugin.text("link_name", "")
+    if link not in plugin.description.links:
+        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    parameters = {
+        "link_name": link,
+        "kinetic_energy_threshold": plugin.number("kinetic_energy_threshold", 7.0),
+        "update_rate": EACH_STEP,
+    }
+    return plugin.drive(KINETIC_ENERGY_MONITOR, parameters, {"kinetic_energy": ("topic", "kinetic_energy")})
