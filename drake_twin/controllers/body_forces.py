@@ -15,9 +15,9 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
-from pydrake.systems.framework import Context, OutputPort
+from pydrake.systems.framework import Context
 
-from drake_twin.controllers.base_controller import Controller
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 
@@ -155,23 +155,21 @@ class BodyForces(ABC):
         """
 
 
-class ForceController(Controller):
-    """A controller that exerts forces on the robot's links.
+class ForceController:
+    """What a controller has beside its base that exerts forces on the robot's links.
 
-    - ``signals``: vector, what the forces follow from beside the motion.
+    Its output port ``signals`` is a vector: what the forces follow from beside the motion.
 
     Attributes:
         Forces: The class that computes them.
+        setup: What the controller was built from; a controller has it.
         body: The robot in the plant; None in a controller that stands alone.
     """
 
     Forces: ClassVar[type[BodyForces]]
+    setup: ControllerSetup
     body: RobotBody | None = None
 
     def attach(self, body: RobotBody) -> None:
         """Note the robot in the plant, before the first event or output."""
         self.body = body
-
-    def get_signals_output_port(self) -> OutputPort:
-        """Return the port ``signals``."""
-        return self.GetOutputPort("signals")

@@ -10,7 +10,7 @@ from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin.control.cross_product import cross
 from drake_twin.control.fossen import Damping, coefficients_of, coriolis
-from drake_twin.controllers.base_controller import ControllerSetup
+from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.body_forces import BodyForces, ForceController, Motion, RobotBody
 from drake_twin.controllers.fluid_response import FluidResponse
 from drake_twin.controllers.registry import controller
@@ -97,7 +97,7 @@ class HydrodynamicForces(BodyForces):
 
 
 @controller(HYDRODYNAMICS)
-class Hydrodynamics(ForceController):
+class Hydrodynamics(ForceController, Controller):
     """Exert the forces of water on a link: damping, added mass and its Coriolis forces, in a current.
 
     Behaves as gz-sim's Hydrodynamics (from its sources), whether or not it is active, with two differences. Forces that

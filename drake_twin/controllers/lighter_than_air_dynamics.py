@@ -9,7 +9,7 @@ from pydrake.systems.framework import BasicVector, Context
 from drake_twin.control.airship_hull import AirshipHulls, HullCoefficients
 from drake_twin.control.cross_product import cross
 from drake_twin.control.fossen import coriolis
-from drake_twin.controllers.base_controller import ControllerSetup
+from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.body_forces import BodyForces, ForceController, Motion, RobotBody
 from drake_twin.controllers.fluid_response import FluidResponse
 from drake_twin.controllers.registry import controller
@@ -96,7 +96,7 @@ class HullForces(BodyForces):
 
 
 @controller(LIGHTER_THAN_AIR)
-class LighterThanAirDynamics(ForceController):
+class LighterThanAirDynamics(ForceController, Controller):
     """Exert the forces of air on the hull of an airship.
 
     Behaves as gz-sim's LighterThanAirDynamics (from its sources), whether or not it is active, with three differences.

@@ -11,7 +11,7 @@ from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin import messages
 from drake_twin.control.propeller import Propeller
-from drake_twin.controllers.base_controller import ControllerSetup
+from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.body_forces import BodyForces, ForceController, Motion, RobotBody
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
@@ -114,7 +114,7 @@ def _along(joint: Any) -> np.ndarray:
 
 
 @controller(THRUSTER)
-class Thruster(ForceController):
+class Thruster(ForceController, Controller):
     """Push with a propeller: by a thrust, or by the thrust of a speed.
 
     Behaves as gz-sim's Thruster (from its sources): the thrust of a command is there at once, and the propeller turns

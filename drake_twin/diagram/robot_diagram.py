@@ -302,7 +302,7 @@ def _wire_controller(
     for topic in (*controller.published, *controller.vector_outputs):
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, ForceController):
-        builder.ExportOutput(controller.get_signals_output_port(), f"{name}/signals")
+        builder.ExportOutput(controller.GetOutputPort("signals"), f"{name}/signals")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:
             builder.Connect(

@@ -27,7 +27,7 @@ def current(x, y, z):
 
 
 def signals(run):
-    return run.controller.get_signals_output_port().Eval(run.context).tolist()
+    return run.controller.GetOutputPort("signals").Eval(run.context).tolist()
 
 
 def test_the_current_is_that_of_the_parameters_until_a_message_comes():

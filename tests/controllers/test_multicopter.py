@@ -40,7 +40,7 @@ def actuators(*values):
 
 
 def signals(run):
-    return run.controller.get_signals_output_port().Eval(run.context).reshape(-1, 3).tolist()
+    return run.controller.GetOutputPort("signals").Eval(run.context).reshape(-1, 3).tolist()
 
 
 def test_joints_turn_as_their_numbers_and_directions_say():

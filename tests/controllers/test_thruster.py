@@ -30,7 +30,7 @@ def number(value):
 
 
 def thrust(run):
-    (value,) = run.controller.get_signals_output_port().Eval(run.context)
+    (value,) = run.controller.GetOutputPort("signals").Eval(run.context)
     return value
 
 
