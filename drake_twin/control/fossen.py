@@ -16,7 +16,7 @@ _LINEAR = slice(3, 6)
 
 @dataclass(frozen=True)
 class Coefficients:
-    """A body's coefficients as arrays; the wrench is Σ (linear + Σ absolute |ν| + Σ quadratic ν) ν.
+    """A body's coefficients as arrays; the wrench is ``Σ (linear + Σ absolute |ν| + Σ quadratic ν) ν``.
 
     Attributes:
         linear: Of the wrench and the velocity (6×6).

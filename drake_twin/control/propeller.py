@@ -1,6 +1,6 @@
 """The thrust of a propeller in water and the speed that it needs for that, as Fossen and gz-sim's Thruster have them.
 
-The thrust is ρ K D⁴ |ω| ω. Its coefficient K is a constant, or follows the velocity of the water at the propeller:
+The thrust is ``ρ K D⁴ |ω| ω``. Its coefficient K is a constant, or follows the velocity of the water at the propeller:
 K = α₁ + α₂ (1 - w) V / (ω D).
 """
 
@@ -33,7 +33,7 @@ class Propeller:
     def speed(self, thrust: float, velocity: float) -> float:
         """Return the speed (rad/s) for a thrust (N) at a velocity of the vehicle (m/s).
 
-        It solves |T| / (ρ D⁴) = |K| ω², where gz-sim takes the K of the step before and so comes to the same.
+        It solves ``|T| / (ρ D⁴) = |K| ω²``, where gz-sim takes the K of the step before and so comes to the same.
         """
         size, sign = abs(self.coefficient), copysign(1.0, thrust) if thrust else 0.0
         part = self.slope * velocity

@@ -4,6 +4,7 @@ A plant has one port for them all, and a port takes one connection.
 """
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -11,11 +12,12 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, Mu
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.primitives import ConstantValueSource, Multiplexer, PassThrough
 
-from drake_twin.controllers.applied_forces import AppliedForces
 from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
-from drake_twin.controllers.world_forces import WorldForces
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments, bodies_that_gain_energy
 from drake_twin.findings import Finding, Kind
+
+if TYPE_CHECKING:
+    from drake_twin.controllers.world_forces import WorldForces
 
 # No robot has such names.
 _ON_LINKS = "forces/on_links"
@@ -27,7 +29,7 @@ def apply_forces(
     builder: DiagramBuilder,
     plant: MultibodyPlant,
     controllers: Sequence[tuple[ForceController, OutputPort]],
-    of_world: Sequence[WorldForces] = (),
+    of_world: "Sequence[WorldForces]" = (),
 ) -> Iterator[Finding]:
     """Apply the forces of controllers and the world and the moments that tumbling bodies need; leave room for pushes.
 
@@ -76,6 +78,8 @@ def follow_masses(diagram: Diagram, plant: MultibodyPlant, root: Context) -> Non
         root: The diagram's context; it is changed.
     """
     if diagram.HasSubsystemNamed(_ON_LINKS):
+        from drake_twin.controllers.applied_forces import AppliedForces
+
         system = diagram.GetSubsystemByName(_ON_LINKS)
         assert isinstance(system, AppliedForces)
         system.follow(plant.GetMyContextFromRoot(root), system.GetMyMutableContextFromRoot(root))
@@ -95,7 +99,7 @@ def _forces_of(
     builder: DiagramBuilder,
     plant: MultibodyPlant,
     controllers: Sequence[tuple[ForceController, OutputPort]],
-    of_world: Sequence[WorldForces],
+    of_world: "Sequence[WorldForces]",
 ) -> OutputPort | None:
     """Add the system that computes the forces of controllers and of the world, and Drake's own that applies them."""
     by_kind: dict[type[BodyForces], list[tuple[ForceController, OutputPort]]] = {}
@@ -112,6 +116,8 @@ def _forces_of(
         ports += [signals for _, signals in found if signals.size()]
     if not kinds:
         return None
+    from drake_twin.controllers.applied_forces import AppliedForces
+
     system = builder.AddNamedSystem(_ON_LINKS, AppliedForces(plant, kinds))
     builder.Connect(plant.get_state_output_port(), system.GetInputPort("state"))
     if ports:

@@ -12,7 +12,6 @@ from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, Multibody
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.control.submerged import Solid
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
@@ -28,7 +27,6 @@ from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake,
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
-from drake_twin.diagram.solids import solids_of
 from drake_twin.diagram.world_in_plant import add_world, remove_actuators
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -38,6 +36,7 @@ from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
 
 if TYPE_CHECKING:
+    from drake_twin.control.submerged import Solid
     from drake_twin.description.world_file import WorldFile
 
 # A sticking contact creeps at a fraction of this (m/s). With Drake's 1e-4 a box creeps 1.4 mm in 5 s at 0.95 of the
@@ -83,7 +82,7 @@ class PlantOfTwin:
     anchors: dict[str, dict[str, RigidTransform]]
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
-    solids: Mapping[BodyIndex, tuple[Solid, ...]]
+    solids: "Mapping[BodyIndex, tuple[Solid, ...]]"
 
     def has_model(self, name: str) -> bool:
         """Tell whether a model of the world, or one inside another, is not left out."""
@@ -134,7 +133,11 @@ def add_plant(
     with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
         models = _contact_models(plans, instances, scenario.world, world_models)
         warnings: list[str] = []
-        solids = solids_of(plant, scene_graph) if world_file is not None and world_file.plugins else {}
+        solids: Mapping[BodyIndex, tuple[Solid, ...]] = {}
+        if world_file is not None and world_file.plugins:
+            from drake_twin.diagram.solids import solids_of
+
+            solids = solids_of(plant, scene_graph)
         shapes = give_contact(plant, scene_graph, models, scenario.world.contact, warnings)
         findings += [Finding(Kind.WARNING, warning) for warning in warnings]
         detachable = add_detachable_joints(plant, plans, instances, world_models, findings)

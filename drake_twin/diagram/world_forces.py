@@ -11,15 +11,14 @@ if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile
 
 
-def forces_of_world(parts: PlantOfTwin, world_file: "WorldFile | None") -> list[WorldForces]:
+def forces_of_world(parts: PlantOfTwin, world_file: "WorldFile") -> list[WorldForces]:
     """Return the forces of a world's plugins on what moves in it.
 
     Args:
         parts: The finalized plant.
         world_file: The content of the world file.
     """
-    plugins = () if world_file is None else world_file.plugins
-    plugins = tuple(plugin for plugin in plugins if plugin.type != TRIGGERED_PUBLISHER)
+    plugins = tuple(plugin for plugin in world_file.plugins if plugin.type != TRIGGERED_PUBLISHER)
     if not plugins:
         return []
     plant = parts.plant

@@ -123,7 +123,7 @@ class Graph(Group, path="twin.graph"):
         is_done = item is None and isinstance(topic, str) and topic in self._wrenches.types
         if is_done:
             self._wrenches.hear(topic, data)
-        if session.triggers.hears(topic):
+        if session.triggers.heard and session.triggers.hears(topic):
             session.triggers.hear(topic, data)
             is_done = item is None
         if is_done:

@@ -140,7 +140,8 @@ class Stepper:
             wrenches.update(clock)
         else:
             wrenches.before = (), (), wrenches.steady
-        session.triggers.keep()
+        if session.triggers.heard:
+            session.triggers.keep()
         session.commands.apply(time, self._publish_scheduled)
         if not physics.detachable_joints.is_empty:
             physics.detachable_joints.follow()

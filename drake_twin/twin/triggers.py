@@ -53,6 +53,7 @@ class Triggers:
         publish: Publishes a command.
         publication: Returns the time (s) at which a port's present message was published; None if it is new.
         endpoints: The topics that no controller listens to and a trigger hears.
+        heard: Topic → the triggers that hear it.
         pending: Time (s), owner and number of each trigger that is to publish, in the order of what they have heard.
     """
 
@@ -63,7 +64,7 @@ class Triggers:
         self.endpoints: tuple[Endpoint, ...] = ()
         self.pending: list[tuple[float, str, int]] = []
         self._known: dict[Key, OwnedTrigger] = {}
-        self._by_topic: dict[str, list[OwnedTrigger]] = {}
+        self.heard: dict[str, list[OwnedTrigger]] = {}
         self._ends: dict[str, Callable[[], None]] = {}
         self._published: Mapping[str, PublishedTopic] = {}
         self._types: dict[str, str] = {}
@@ -74,18 +75,18 @@ class Triggers:
         """Switch to a newly built diagram; what is pending stays if its trigger does."""
         self._known = {(item.owner, item.number): item for item in built.triggers}
         self.pending = [entry for entry in self.pending if entry[1:] in self._known]
-        self._by_topic = {}
+        self.heard = {}
         for item in built.triggers:
             for topic in item.topics:
-                self._by_topic.setdefault(topic, []).append(item)
+                self.heard.setdefault(topic, []).append(item)
         self._types = {item.topic: item.type for item in built.commanded.values()}
         published = built.publishers
         self._published = built.published
-        for topic in [topic for topic in self._ends if topic not in published or topic not in self._by_topic]:
+        for topic in [topic for topic in self._ends if topic not in published or topic not in self.heard]:
             self._ends.pop(topic)()
-        for topic in sorted((self._by_topic.keys() & published.keys()) - self._ends.keys()):
+        for topic in sorted((self.heard.keys() & published.keys()) - self._ends.keys()):
             self._ends[topic] = self._follow(topic)
-        heard = {topic: self._type(topic) for topic in self._by_topic if topic not in published}
+        heard = {topic: self._type(topic) for topic in self.heard if topic not in published}
         self.endpoints = tuple(
             Endpoint(COMMANDED, topic, type_, TWIN_NODE) for topic, type_ in heard.items() if topic not in self._types
         )
@@ -99,7 +100,7 @@ class Triggers:
 
     def hears(self, topic: Any) -> bool:
         """Tell whether a message that is published to the twin may trigger something."""
-        return isinstance(topic, str) and topic in self._by_topic
+        return isinstance(topic, str) and topic in self.heard
 
     def hear(self, topic: str, data: Any) -> None:
         """Take a message that is published to the twin.
@@ -131,13 +132,13 @@ class Triggers:
 
     def _type(self, topic: str) -> str:
         """Return the type of a topic that nothing but triggers has in the twin."""
-        types = (item.trigger.type for item in self._by_topic[topic] if item.trigger.type)
+        types = (item.trigger.type for item in self.heard[topic] if item.trigger.type)
         return next(types, _TYPE_OF_ANY)
 
     def _take(self, topic: str, message: Any) -> None:
         """Note what a message triggers."""
         kind = message.__msgtype__
-        for item in self._by_topic.get(topic, ()):
+        for item in self.heard.get(topic, ()):
             is_heard = item.trigger.type in (kind, _ANY) and item.trigger.hears(message)
             if is_heard and len(self.pending) < _MOST_PENDING:
                 self.pending.append((self._clock.time + item.trigger.delay, item.owner, item.number))
@@ -188,7 +189,7 @@ class Triggers:
         topic = message.topic
         if topic in self._types:
             self._command(topic, as_type(self._types[topic], message))
-        elif topic in self._by_topic:
+        elif topic in self.heard:
             self._take(topic, make(message.type, message.fields))
         elif topic in self._events:
             self._events[topic].put(lambda: message.fields)

@@ -394,8 +394,7 @@ class Twin(Group, OldNames, path="twin"):
         Two runs of a scenario with the same hash are in the same state to the last bit, and continue alike. On one
         machine and with one version of drake_twin, a scenario has one hash, on each supported Python and version of
         NumPy; forces of rotors, air and water have other last bits with NumPy 1 than with 2. Another processor,
-        operating system or version of Drake may round otherwise. Of what Drake's own means change, a plant's
-        parameters, locked joints and shapes' materials count; other shapes, collision filters and values fixed on ports
-        do not.
+        operating system or version of Drake may round otherwise. Of what Drake's own means change, parameters of the
+        plant, locked joints and shapes' materials count; other shapes, collision filters and fixed ports do not.
         """
         return self._session.state_sha256()
