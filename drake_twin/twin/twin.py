@@ -392,10 +392,9 @@ class Twin(Group, OldNames, path="twin"):
         """Return a hash of all that a `snapshot` holds, without the scenario's text.
 
         Two runs of a scenario with the same hash are in the same state to the last bit, and continue alike. On one
-        machine and with one version of drake_twin, a scenario has the same hash in each run, on each supported Python
-        and version of NumPy; forces of rotors, air and water differ in their last bits between NumPy 1 and 2. Another
-        kind of processor or operating system may round otherwise, and another version of Drake may simulate otherwise.
-        Of what is changed with Drake's own means, a plant's parameters, locked joints and shapes' materials count; other
-        shapes, collision filters and values fixed on ports do not.
+        machine and with one version of drake_twin, a scenario has one hash, on each supported Python and version of
+        NumPy; forces of rotors, air and water have other last bits with NumPy 1 than with 2. Another processor,
+        operating system or version of Drake may round otherwise. Of what Drake's own means change, a plant's
+        parameters, locked joints and shapes' materials count, not other shapes, collision filters and fixed ports.
         """
         return self._session.state_sha256()
