@@ -9,6 +9,7 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin.controllers.body_forces import BodyForces, Motion
+from drake_twin.controllers.free_bodies import FreeBodies
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -16,8 +17,8 @@ from drake_twin.systems.witnessless_system import WitnesslessSystem
 class AppliedForces(WitnesslessSystem):
     """Sum up the wrenches of all kinds of forces on each body.
 
-    It reads the motion of the bodies from a context of its own, in which it sets the plant's state: the plant's ports
-    would carry the motion of all bodies, at a quarter of a microsecond each.
+    It reads the motion of free bodies from the plant's state, and that of others from a context of its own, in which it
+    sets that state: the plant's ports would carry the motion of all bodies, at a quarter of a microsecond each.
 
     .. pydrake_system::
 
@@ -47,7 +48,11 @@ class AppliedForces(WitnesslessSystem):
         super().__init__()
         self._plant, self._context = plant, plant.CreateDefaultContext()
         indices = sorted({int(body.index()) for forces, _ in kinds for body in forces.bodies})
+        free = [index for index in indices if FreeBodies.has(plant.get_body(BodyIndex(index)))]
+        indices = [*free, *(index for index in indices if index not in free)]
         self.bodies = [plant.get_body(BodyIndex(index)) for index in indices]
+        self._free = FreeBodies(self.bodies[: len(free)], plant.num_positions())
+        self._others = list(enumerate(self.bodies))[len(free) :]
         place = {index: number for number, index in enumerate(indices)}
         self._kinds, end = [], 0
         for forces, size in kinds:
@@ -82,8 +87,12 @@ class AppliedForces(WitnesslessSystem):
         state, signals = self._state.Eval(context), None
         if self._signals is not None:
             signals = self._signals.Eval(context)
-        self._plant.SetPositionsAndVelocities(self._context, state)
-        for number, body in enumerate(self.bodies):
+        count = len(self.bodies) - len(self._others)
+        if count:
+            self._poses[:count], self._velocities[:count] = self._free.read(state)
+        if self._others:
+            self._plant.SetPositionsAndVelocities(self._context, state)
+        for number, body in self._others:
             self._poses[number] = body.EvalPoseInWorld(self._context).GetAsMatrix34()
             self._velocities[number] = body.EvalSpatialVelocityInWorld(self._context).get_coeffs()
         R_WB = self._poses[:, :, :3]
