@@ -29,22 +29,27 @@ class AppliedForces(WitnesslessSystem):
         - pushes
         output_ports:
         - wrenches
+        - generalized_forces
 
     - ``state``: the plant's ``[q; v]``.
     - ``signals``: the controllers' ports ``signals``, one after the other, kind by kind.
     - ``pushes``: the other forces on bodies, a list of ``ExternallyAppliedSpatialForce``, from which those kinds follow
       that are last; the port is there if one is.
     - ``wrenches``: for each of the `bodies` the wrench about its origin, in its own axes: N·m, then N.
+    - ``generalized_forces``: in place of it, where all of them are free bodies and there are no ``pushes``: a force for
+      each of the plant's velocities.
 
     Args:
         plant: The finalized plant.
         kinds: The forces, in the order in which they are computed, and how many signals each takes.
+        may_be_generalized: Whether the plant can take generalized forces.
 
     Attributes:
         bodies: The bodies on which forces act.
+        are_generalized: Whether the port ``generalized_forces`` is there.
     """
 
-    def __init__(self, plant: MultibodyPlant, kinds: Sequence[tuple[BodyForces, int]]):
+    def __init__(self, plant: MultibodyPlant, kinds: Sequence[tuple[BodyForces, int]], *, may_be_generalized: bool):
         super().__init__()
         self._plant, self._context = plant, plant.CreateDefaultContext()
         indices = sorted({int(body.index()) for forces, _ in kinds for body in forces.bodies})
@@ -70,7 +75,11 @@ class AppliedForces(WitnesslessSystem):
             model = Value[list[ExternallyAppliedSpatialForce]]()
             self._pushes = self.DeclareAbstractInputPort("pushes", model)
         self._masses = self.DeclareNumericParameter(BasicVector(1))  # stands for those of the plant
-        self.DeclareVectorOutputPort("wrenches", 6 * len(indices), weakly(self._calc))
+        self.are_generalized = may_be_generalized and not self._others and self._pushes is None
+        if self.are_generalized:
+            self.DeclareVectorOutputPort("generalized_forces", plant.num_velocities(), weakly(self._calc))
+        else:
+            self.DeclareVectorOutputPort("wrenches", 6 * len(indices), weakly(self._calc))
 
     def follow(self, plant_context: Context, context: Context) -> None:
         """Let forces that depend on masses follow those in a context of the plant.
@@ -106,7 +115,12 @@ class AppliedForces(WitnesslessSystem):
                 known = total + self._of_pushes(pushes, R_WB)
             motion = Motion(time, state, self._poses, V_B, places, known)
             total += sums @ forces.wrenches(motion, _NO_SIGNALS if signals is None else signals[part])
-        output.SetFromVector(total.ravel())
+        if not self.are_generalized:
+            output.SetFromVector(total.ravel())
+            return
+        generalized = np.zeros(self._plant.num_velocities())
+        generalized[self._free.velocities] = (total.reshape(-1, 2, 3) @ R_WB.transpose(0, 2, 1)).reshape(-1, 6)
+        output.SetFromVector(generalized)
 
     def _of_pushes(self, pushes: Sequence[ExternallyAppliedSpatialForce], R_WB: np.ndarray) -> np.ndarray:
         """Return the wrenches of pushes on the bodies, as those of the output."""

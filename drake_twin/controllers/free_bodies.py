@@ -36,6 +36,9 @@ class FreeBodies:
     Args:
         bodies: The bodies.
         num_positions: The number of the plant's positions.
+
+    Attributes:
+        velocities: The place of each one's velocity among the plant's (n×6).
     """
 
     def __init__(self, bodies: Sequence[RigidBody], num_positions: int):
@@ -43,7 +46,8 @@ class FreeBodies:
         velocity = np.array([body.floating_velocities_start_in_v() for body in bodies], dtype=int)
         self._turns = first[:, None] + np.arange(4)
         self._origins = first[:, None] + np.arange(4, 7)
-        self._velocities = num_positions + velocity[:, None] + np.arange(6)
+        self.velocities = velocity[:, None] + np.arange(6)
+        self._velocities = num_positions + self.velocities
 
     @staticmethod
     def has(body: RigidBody) -> bool:

@@ -118,13 +118,18 @@ def _forces_of(
         return None
     from drake_twin.controllers.applied_forces import AppliedForces
 
-    system = builder.AddNamedSystem(_ON_LINKS, AppliedForces(plant, kinds))
+    generalized = plant.get_applied_generalized_force_input_port()
+    is_left = not builder.IsConnectedOrExported(generalized)
+    system = builder.AddNamedSystem(_ON_LINKS, AppliedForces(plant, kinds, may_be_generalized=is_left))
     builder.Connect(plant.get_state_output_port(), system.GetInputPort("state"))
     if ports:
         joined = builder.AddNamedSystem("forces/signals", Multiplexer([port.size() for port in ports]))
         for number, port in enumerate(ports):
             builder.Connect(port, joined.get_input_port(number))
         builder.Connect(joined.get_output_port(), system.GetInputPort("signals"))
+    if system.are_generalized:  # propellers and their forces would cost a body 5 µs a step
+        builder.Connect(system.get_output_port(), generalized)
+        return None
     propellers = [
         PropellerInfo(
             body_index=body.index(),
