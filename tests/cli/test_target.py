@@ -202,7 +202,7 @@ def test_a_world_without_robots_says_what_it_lacks_and_nothing_else(tmp_path):
         '<sdf version="1.9"><world name="w"><include><uri>model://nowhere_robot</uri></include>'
         '<plugin name="p" filename="libunknown_thing.so"/></world></sdf>'
     )
-    with pytest.raises(InputError, match="none of this world.s models is there") as refused:
+    with pytest.raises(InputError, match="none of this world's models is there") as refused:
         target(tmp_path / "w.sdf")
     assert "nowhere_robot" in str(refused.value)
     assert "the plugin p" not in str(refused.value)
