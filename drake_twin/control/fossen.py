@@ -41,7 +41,7 @@ def coefficients_of(named: Mapping[str, float]) -> Coefficients:
     for name, value in named.items():
         axes = coefficient_name(name)
         if axes is None:
-            raise ValueError(f"{name!r} is no coefficient")
+            raise ValueError(f"{name!r} is not a coefficient")
         place = axes.force, axes.velocity
         if axes.is_added_mass:
             found.added_mass[place] = -value

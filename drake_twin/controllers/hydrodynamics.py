@@ -48,7 +48,7 @@ class HydrodynamicsParameters:
     def __post_init__(self) -> None:
         for name, value in self.coefficients.items():
             if coefficient_name(name) is None:
-                what = f"{name!r} is no coefficient, as xU, xUabsU, xUV or xDotU are"
+                what = f"{name!r} is not a coefficient, as xU, xUabsU, xUV or xDotU are"
                 raise ParameterError(what, "coefficients", name)
             if not isfinite(value):
                 raise ParameterError(f"{name} is {value:g}, which is not finite", "coefficients", name)

@@ -44,7 +44,7 @@ class ThrusterParameters:
         use_angvel_cmd: Whether commands are speeds of the propeller (rad/s), and not thrusts (N).
         max_thrust_cmd: The largest command.
         min_thrust_cmd: The smallest one.
-        deadband: The thrust below which there is none (N).
+        deadband: Smaller thrusts do not act (N).
         velocity_control: Whether the propeller turns at once as its thrust needs.
     """
 
@@ -66,7 +66,7 @@ class ThrusterParameters:
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ParameterError(f"{name} is {getattr(self, name):g}, and has to be above zero", name)
         if self.thrust_coefficient == 0.0 and self.alpha_1 == 0.0:
-            raise ParameterError("alpha_1 is 0, so that there is no thrust", "alpha_1")
+            raise ParameterError("alpha_1 is 0, so that nothing is thrust", "alpha_1")
         if self.max_thrust_cmd < self.min_thrust_cmd:
             raise ParameterError("max_thrust_cmd is less than min_thrust_cmd", "max_thrust_cmd")
 

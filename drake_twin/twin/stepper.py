@@ -265,8 +265,9 @@ class Stepper:
             session.subscriptions.due_step,
             session.alarm.due_step,
             *session.commands.due_steps(),
-            *session.triggers.due_steps(),
         ]
+        if session.triggers.pending:
+            due += session.triggers.due_steps()
         if session.wrenches.items or session.wrenches.pushes:
             due += session.wrenches.due_steps(clock)
         if (change := clock.change_step()) is not None:

@@ -46,7 +46,7 @@ def test_a_current_that_is_not_finite_is_refused():
 @pytest.mark.parametrize(
     ("parameters", "says"),
     [
-        ({"coefficients": {"xX": 1.0}}, "'xX' is no coefficient, as xU, xUabsU, xUV or xDotU are"),
+        ({"coefficients": {"xX": 1.0}}, "'xX' is not a coefficient, as xU, xUabsU, xUV or xDotU are"),
         ({"coefficients": {"xU": nan}}, "xU is nan, which is not finite"),
         ({"default_current": [1.0]}, "default_current has to have 3 numbers"),
     ],

@@ -88,7 +88,7 @@ def test_the_speed_is_that_which_has_the_thrust(coefficient, velocity, asked):
     [
         ({"fluid_density": 0.0}, "fluid_density is 0, and has to be above zero"),
         ({"propeller_diameter": -0.1}, "propeller_diameter is -0.1, and has to be above zero"),
-        ({"thrust_coefficient": 0.0, "alpha_1": 0.0}, "alpha_1 is 0, so that there is no thrust"),
+        ({"thrust_coefficient": 0.0, "alpha_1": 0.0}, "alpha_1 is 0, so that nothing is thrust"),
         ({"max_thrust_cmd": -2000.0}, "max_thrust_cmd is less than min_thrust_cmd"),
     ],
 )
@@ -106,8 +106,8 @@ def vehicle(folder, plugin):
     [
         ({"propeller_diameter": 0}, "<propeller_diameter> is 0, and has to be above zero"),
         ({"fluid_density": -1}, "<fluid_density> is -1, and has to be above zero"),
-        ({"thrust_coefficient": 0}, "<thrust_coefficient> is 0, so that there is no thrust"),
-        ({"thrust_coefficient": None, "alpha_1": 0}, "<alpha_1> is 0, so that there is no thrust"),
+        ({"thrust_coefficient": 0}, "<thrust_coefficient> is 0, so that nothing is thrust"),
+        ({"thrust_coefficient": None, "alpha_1": 0}, "<alpha_1> is 0, so that nothing is thrust"),
         ({"max_thrust_cmd": "full"}, "<max_thrust_cmd> is 'full', which is not"),
         ({"velocity_control": 2}, "<velocity_control> is '2', which is neither true nor false"),
     ],
@@ -127,7 +127,7 @@ def test_values_that_are_refused_with_file_and_line(tmp_path, elements, says):
         (thruster("mast"), "the robot has no movable joint 'mast'"),
         (thruster(p_gain=-1), "<p_gain> is -1: the propeller would run away"),
         (thruster(max_thrust_cmd=-5000), "<max_thrust_cmd> is less than <min_thrust_cmd>: commands are within 1000"),
-        (thruster(alpha_1=1), "<alpha_1> and <alpha_2> are of no use beside <thrust_coefficient>"),
+        (thruster(alpha_1=1), "<alpha_1> and <alpha_2> change nothing beside <thrust_coefficient>"),
         (thruster(battery_name="b"), "<battery_name> of Gazebo plugin thruster"),
     ],
     ids=("joint", "gain", "range", "alpha", "battery"),

@@ -40,7 +40,7 @@ def linear_battery_plugin_system(plugin: DrivePlugin) -> GazeboDrive:
             raise CannotWorkError(f"<enable_recharge> needs a <charging_time>, which {has}")
     plugin.has("charging_time")
     plugin.skip("start_on_motion", "true", "1")
-    plugin.has("recharge_by_topic")  # there is no other way here
+    plugin.has("recharge_by_topic")  # always so here
     if not plugin.has("power_load"):
         warnings.append("<power_load> is missing: it has no load")
     parameters: dict[str, Any] = {

@@ -82,14 +82,14 @@ def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
     tag = "thrust_coefficient" if is_constant else "alpha_1"
     parameters[tag] = plugin.number(tag, 1.0)
     if parameters[tag] == 0.0:
-        raise plugin.error(f"<{tag}> is 0, so that there is no thrust")
+        raise plugin.error(f"<{tag}> is 0, so that nothing is thrust")
     largest, smallest = plugin.number("max_thrust_cmd", _LARGEST), plugin.number("min_thrust_cmd", -_LARGEST)
     warnings = []
     if largest < smallest:
         what = f"<max_thrust_cmd> is less than <min_thrust_cmd>: commands are within {_LARGEST:g}, as in gz-sim"
         largest, smallest, warnings = _LARGEST, -_LARGEST, [what]
     if is_constant and (plugin.has("alpha_1") or plugin.has("alpha_2")):
-        warnings.append("<alpha_1> and <alpha_2> are of no use beside <thrust_coefficient>, as in gz-sim")
+        warnings.append("<alpha_1> and <alpha_2> change nothing beside <thrust_coefficient>, as in gz-sim")
     of_speed, is_direct = plugin.flag("use_angvel_cmd", False), plugin.flag("velocity_control", False)
     parameters |= {
         "joint_name": joint,
