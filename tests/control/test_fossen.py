@@ -54,7 +54,7 @@ def test_added_mass_is_positive_and_where_its_name_says():
 
 @pytest.mark.parametrize("name", ["xD", "xu", "aU", "xUabs", "xDotUabsU", "", "xUVW"])
 def test_other_names_are_none(name):
-    with pytest.raises(ValueError, match="no coefficient"):
+    with pytest.raises(ValueError, match="not a coefficient"):
         coefficients_of({name: 1.0})
 
 
