@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import field
 from math import pi, sqrt
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -258,9 +258,3 @@ class AdvancedLiftDrag(Wing):
 
     Parameters: ClassVar[type] = AdvancedLiftDragParameters
     Forces: ClassVar[type[BodyForces]] = AircraftForces
-
-    @classmethod
-    def joints(cls, parameters: Any) -> Sequence[str]:
-        """Return the joints of its control surfaces."""
-        joints: Sequence[str] = parameters.joints
-        return joints

@@ -9,7 +9,7 @@ all kinds, and Drake's own `Propeller` applies the sums.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -20,6 +20,7 @@ from pydrake.systems.framework import Context
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.robot_description import RobotDescription
 
 
 @dataclass(frozen=True)
@@ -169,6 +170,17 @@ class ForceController:
     Forces: ClassVar[type[BodyForces]]
     setup: ControllerSetup
     body: RobotBody | None = None
+
+    @classmethod
+    def links(cls, parameters: Any) -> Sequence[str]:
+        """Return the links that a controller with these parameters needs."""
+        return (parameters.link_name,)
+
+    @classmethod
+    def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
+        """Return which link the robot does not have; None if it has all."""
+        missing = next((link for link in cls.links(parameters) if link not in description.links), None)
+        return None if missing is None else f"the robot has no link {missing!r}"
 
     def attach(self, body: RobotBody) -> None:
         """Note the robot in the plant, before the first event or output."""

@@ -17,7 +17,6 @@ from drake_twin.controllers.registry import controller
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import HYDRODYNAMICS
 from drake_twin.description.parameters import ParameterError
-from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.sname import coefficient_name
 from drake_twin.errors import CommandError
 from drake_twin.frozen import Frozen
@@ -119,13 +118,6 @@ class Hydrodynamics(ForceController, Controller):
 
     Parameters: ClassVar[type] = HydrodynamicsParameters
     Forces: ClassVar[type[BodyForces]] = HydrodynamicForces
-
-    @classmethod
-    def problem(cls, parameters: HydrodynamicsParameters, description: RobotDescription) -> str | None:
-        """Return why the water cannot act on the robot; None if it can."""
-        if parameters.link_name in description.links:
-            return None
-        return f"the robot has no link {parameters.link_name!r}"
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import field
 from math import pi
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -71,6 +71,11 @@ class LiftDragParameters:
             raise ParameterError("forward is zero", "forward")
         if not self.radial_symmetry and not np.cross(self.forward, self.upward).any():
             raise ParameterError("upward is along forward", "upward")
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints of its control surfaces."""
+        return (self.control_joint_name,) if self.control_joint_name else ()
 
 
 class WingForces(BodyForces):
@@ -195,8 +200,3 @@ class LiftDrag(Wing):
 
     Parameters: ClassVar[type] = LiftDragParameters
     Forces: ClassVar[type[BodyForces]] = WingForces
-
-    @classmethod
-    def joints(cls, parameters: Any) -> Sequence[str]:
-        """Return the joint of its control surface."""
-        return [parameters.control_joint_name] if parameters.control_joint_name else []

@@ -16,7 +16,6 @@ from drake_twin.controllers.registry import controller
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import LIGHTER_THAN_AIR
 from drake_twin.description.parameters import ParameterError
-from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -114,13 +113,6 @@ class LighterThanAirDynamics(ForceController, Controller):
 
     Parameters: ClassVar[type] = LighterThanAirDynamicsParameters
     Forces: ClassVar[type[BodyForces]] = HullForces
-
-    @classmethod
-    def problem(cls, parameters: LighterThanAirDynamicsParameters, description: RobotDescription) -> str | None:
-        """Return why air cannot act on the robot; None if it can."""
-        if parameters.link_name in description.links:
-            return None
-        return f"the robot has no link {parameters.link_name!r}"
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)

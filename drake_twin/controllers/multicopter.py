@@ -6,6 +6,8 @@ from math import exp, fsum
 from typing import Any, ClassVar
 
 import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RotationMatrix, VectorToSkewSymmetric
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import BasicVector, Context, EventStatus, State
 
@@ -163,8 +165,12 @@ class RotorForces(BodyForces):
                 moment = np.cross(center, axis) - turns * parameters.moment_constants[number] * axis
                 thrusts.append(thrust * np.concatenate([moment, axis]))
                 across = np.eye(3) - np.outer(axis, axis)
-                velocity = across @ np.hstack([-_skew(origin), np.eye(3)])  # of the rotor across its axis
-                drag = -parameters.rotor_drag_coefficients[number] * np.vstack([_skew(center), np.eye(3)])
+                velocity = across @ np.hstack(
+                    [-VectorToSkewSymmetric(origin), np.eye(3)]
+                )  # of the rotor across its axis
+                drag = -parameters.rotor_drag_coefficients[number] * np.vstack(
+                    [VectorToSkewSymmetric(center), np.eye(3)]
+                )
                 drag[:3] -= parameters.rolling_moment_coefficients[number] * np.eye(3)
                 drags.append(drag @ velocity)
                 ups.append(parameters.time_constants_up[number])
@@ -187,12 +193,6 @@ class RotorForces(BodyForces):
         size = np.abs(speeds)
         wrenches: np.ndarray = size[:, None] * (speeds[:, None] * self._thrusts + drag)
         return wrenches
-
-
-def _skew(p: np.ndarray) -> np.ndarray:
-    """Return the matrix of the cross product with a vector."""
-    x, y, z = p
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 @controller(MULTICOPTER)
@@ -227,6 +227,11 @@ class Multicopter(ForceController, StatefulController):
     Forces: ClassVar[type[BodyForces]] = RotorForces
     needs_command_interfaces = False
     flies = True
+
+    @classmethod
+    def links(cls, parameters: MulticopterParameters) -> Sequence[str]:
+        """Return the rotors' links, and that whose velocity is controlled."""
+        return (*parameters.links, *([parameters.com_link] if parameters.controls_velocity else []))
 
     @classmethod
     def claimed_interfaces(
@@ -326,7 +331,7 @@ class Multicopter(ForceController, StatefulController):
             targets = [0.0] * len(sample.memory.targets)
         else:
             pose, velocity = self.setup.layout.base_state(self._state.Eval(context))
-            R_WB = _rotation(*pose[:4].tolist())
+            R_WB = RotationMatrix(Quaternion(pose[:4])).matrix()
             rates, linear = R_WB.T @ velocity[:3], np.array(command.linear)
             speeds = self._control.speeds(R_WB, velocity[3:], rates, linear, command.angular[2])
             by_number = speeds.tolist()
@@ -346,17 +351,6 @@ class Multicopter(ForceController, StatefulController):
 
 def _clipped(values: Sequence[float], limits: Sequence[float]) -> tuple[float, ...]:
     return tuple(min(max(value, -abs(limit)), abs(limit)) for value, limit in zip(values, limits, strict=True))
-
-
-def _rotation(w: float, x: float, y: float, z: float) -> np.ndarray:
-    """Return the matrix of a quaternion of length 1."""
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def _control_of(parameters: MulticopterParameters, body: RobotBody) -> LeeVelocity:

@@ -148,6 +148,11 @@ class Thruster(ForceController, Controller):
     needs_command_interfaces = False
 
     @classmethod
+    def links(cls, parameters: ThrusterParameters) -> Sequence[str]:
+        """Return none: its joint is claimed."""
+        return ()
+
+    @classmethod
     def claimed_interfaces(cls, parameters: ThrusterParameters, description: RobotDescription) -> tuple[Interface, ...]:
         """Return the velocity of the propeller."""
         return (Interface(parameters.joint_name, "velocity"),)

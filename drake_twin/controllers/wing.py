@@ -1,6 +1,5 @@
 """What forces of the air on links have in common: the flow at a point of a link, and the port of their controller."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -27,16 +26,10 @@ class Wing(ForceController, StatefulController):
     @classmethod
     def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
         """Return which link or joint the robot does not have; None if it has all."""
-        if parameters.link_name not in description.links:
-            return f"the robot has no link {parameters.link_name!r}"
         movable = {joint.name for joint in description.movable_joints}
-        missing = next((joint for joint in cls.joints(parameters) if joint not in movable), None)
-        return None if missing is None else f"the robot has no movable joint {missing!r}"
-
-    @classmethod
-    def joints(cls, parameters: Any) -> Sequence[str]:
-        """Return the joints of its control surfaces."""
-        raise NotImplementedError
+        missing = next((joint for joint in parameters.joints if joint not in movable), None)
+        no_joint = None if missing is None else f"the robot has no movable joint {missing!r}"
+        return super().problem(parameters, description) or no_joint
 
     def activate(self, context: Context) -> None:
         """Let the air act."""

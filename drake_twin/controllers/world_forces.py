@@ -4,6 +4,7 @@ A kind is one class in one file, with the decorator `world_forces`. It computes 
 as the `BodyForces` of robots do.
 """
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, TypeVar
@@ -59,9 +60,9 @@ class WorldForces(BodyForces):
         world: What moves.
     """
 
+    @abstractmethod
     def __init__(self, parameters: Any, world: WorldBodies):
         """Prepare what does not change; `bodies` has to be set."""
-        raise NotImplementedError
 
 
 WORLD_FORCES: Registry[type[WorldForces]] = Registry(

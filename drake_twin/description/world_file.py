@@ -112,6 +112,11 @@ class WorldFile:
     wrench_systems: tuple[WrenchSystem, ...] = ()
     plugins: tuple[WorldPlugin, ...] = ()
 
+    @property
+    def forces(self) -> tuple[WorldPlugin, ...]:
+        """Those of its plugins that exert forces."""
+        return tuple(plugin for plugin in self.plugins if plugin.exerts_forces)
+
 
 def read_world(
     address: str,

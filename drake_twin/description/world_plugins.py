@@ -27,10 +27,12 @@ class WorldPlugin:
         type: What exerts its forces, as `drake_twin.controllers.world_forces.WORLD_FORCES` names it, or
             `drake_twin.description.gazebo_drive.TRIGGERED_PUBLISHER`.
         parameters: The parameters of that.
+        exerts_forces: Whether it exerts some.
     """
 
     type: str
     parameters: Any
+    exerts_forces: bool = True
 
 
 ConvertWorldPlugin: TypeAlias = Callable[[PluginReader], WorldPlugin]

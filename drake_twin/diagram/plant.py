@@ -134,7 +134,7 @@ def add_plant(
         models = _contact_models(plans, instances, scenario.world, world_models)
         warnings: list[str] = []
         solids: Mapping[BodyIndex, tuple[Solid, ...]] = {}
-        if world_file is not None and world_file.plugins:
+        if world_file is not None and world_file.forces:
             from drake_twin.diagram.solids import solids_of
 
             solids = solids_of(plant, scene_graph)

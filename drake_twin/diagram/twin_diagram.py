@@ -261,7 +261,7 @@ def _build(
     _name_unnamed(added)
     forces = [item for robot in robots.values() for item in robot.forces()]
     of_world: list[WorldForces] = []
-    if world_file is not None and world_file.plugins:
+    if world_file is not None and world_file.forces:
         from drake_twin.diagram.world_forces import forces_of_world
 
         of_world = forces_of_world(parts, world_file)

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 from drake_twin.controllers.world_forces import WORLD_FORCES, MovingBody, WorldBodies, WorldForces
 from drake_twin.description.drake_urdf import urdf_link_name
-from drake_twin.description.gazebo_drive import TRIGGERED_PUBLISHER
 from drake_twin.diagram.plant import PlantOfTwin
 
 if TYPE_CHECKING:
@@ -18,9 +17,6 @@ def forces_of_world(parts: PlantOfTwin, world_file: "WorldFile") -> list[WorldFo
         parts: The finalized plant.
         world_file: The content of the world file.
     """
-    plugins = tuple(plugin for plugin in world_file.plugins if plugin.type != TRIGGERED_PUBLISHER)
-    if not plugins:
-        return []
     plant = parts.plant
     names = {robot.instance: name for name, robot in parts.robots.items()}
     names |= {index: plant.GetModelInstanceName(index) for every in parts.world_models.values() for index in every}
@@ -32,4 +28,4 @@ def forces_of_world(parts: PlantOfTwin, world_file: "WorldFile") -> list[WorldFo
         if body.index() not in fixed
     ]
     world = WorldBodies(plant, moving)
-    return [WORLD_FORCES[plugin.type](plugin.parameters, world) for plugin in plugins]
+    return [WORLD_FORCES[plugin.type](plugin.parameters, world) for plugin in world_file.forces]

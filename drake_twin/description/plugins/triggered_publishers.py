@@ -17,4 +17,4 @@ def triggered_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
 @world_plugin(_NAME)
 def triggered_publisher_of_world(plugin: PluginReader) -> WorldPlugin:
     """Convert ``gz-sim-triggered-publisher-system`` of a world."""
-    return WorldPlugin(TRIGGERED_PUBLISHER, read_trigger(plugin))
+    return WorldPlugin(TRIGGERED_PUBLISHER, read_trigger(plugin), exerts_forces=False)
