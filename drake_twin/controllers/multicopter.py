@@ -165,12 +165,9 @@ class RotorForces(BodyForces):
                 moment = np.cross(center, axis) - turns * parameters.moment_constants[number] * axis
                 thrusts.append(thrust * np.concatenate([moment, axis]))
                 across = np.eye(3) - np.outer(axis, axis)
-                velocity = across @ np.hstack(
-                    [-VectorToSkewSymmetric(origin), np.eye(3)]
-                )  # of the rotor across its axis
-                drag = -parameters.rotor_drag_coefficients[number] * np.vstack(
-                    [VectorToSkewSymmetric(center), np.eye(3)]
-                )
+                velocity = across @ np.hstack([-VectorToSkewSymmetric(origin), np.eye(3)])  # across the axis
+                moment_and_force = np.vstack([VectorToSkewSymmetric(center), np.eye(3)])
+                drag = -parameters.rotor_drag_coefficients[number] * moment_and_force
                 drag[:3] -= parameters.rolling_moment_coefficients[number] * np.eye(3)
                 drags.append(drag @ velocity)
                 ups.append(parameters.time_constants_up[number])

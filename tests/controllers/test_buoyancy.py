@@ -54,6 +54,14 @@ def test_the_parameters_are_those_of_the_file(tmp_path):
     assert findings(world_of(tmp_path, buoyancy("<depth>3</depth>"))) == ("<depth> of Gazebo plugin buoyancy",)
 
 
+def test_of_a_worlds_plugins_those_that_publish_exert_no_forces(tmp_path):
+    inside = '<input type="gz.msgs.Empty" topic="a"/><output type="gz.msgs.Empty" topic="b"/>'
+    trigger = f'<plugin filename="gz-sim-triggered-publisher-system" name="t">{inside}</plugin>'
+    world = world_of(tmp_path, buoyancy("") + trigger)
+    assert len(world.plugins) == 2
+    assert [plugin.parameters for plugin in world.forces] == [BuoyancyParameters(1000.0)]
+
+
 @pytest.mark.parametrize(
     ("body", "says"),
     [

@@ -5,7 +5,7 @@ from math import exp, inf, nan
 import numpy as np
 import pytest
 from controller_parameters import parameters_of
-from device_harness import Running, setup_of
+from device_harness import ROBOT, Running, setup_of
 from multicopters import motor, quadcopter
 
 from drake_twin import TwinBuilder, messages
@@ -117,6 +117,12 @@ def test_what_does_nothing_in_gazebo_is_said(tmp_path, elements, says):
     twin = built(tmp_path, quadcopter(plugins=motor(0, "cw", **elements)))
     (finding,) = (str(item) for item in twin.findings if "multicopter" in str(item))
     assert says in finding
+
+
+@pytest.mark.parametrize("more", [{"links": ["gone", "thumb_link"]}, {"controls_velocity": True, "com_link": "gone"}])
+def test_a_link_that_the_robot_does_not_have_is_a_problem(more):
+    assert Multicopter.problem(parameters_of(MULTICOPTER, **ROTORS | more), ROBOT) == "the robot has no link 'gone'"
+    assert Multicopter.problem(parameters_of(MULTICOPTER, **ROTORS), ROBOT) is None
 
 
 def test_rotors_with_topics_of_their_own_are_controllers_of_their_own(tmp_path):

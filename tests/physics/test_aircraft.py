@@ -5,10 +5,9 @@ from math import asin, atan2, cos, degrees, exp, hypot, pi, sin, sqrt
 import numpy as np
 import pytest
 from flyers import FLAP, RHO, STEPS, G, deflect, flyer, plugin
+from repeated_runs import goes_on_to_the_same_bits
 
 from drake_twin.errors import RunError
-from drake_twin.twin.recording import Recording
-from drake_twin.twin.replay import replay
 
 # A wing of 3 m and a chord of 0.2 m that stalls late, so that nothing of its flow has left it at small angles.
 WING = {"AR": 15, "eff": 0.8, "area": 0.6, "alpha_stall": 1.4}
@@ -144,12 +143,4 @@ def test_a_run_goes_on_from_a_snapshot_and_a_recording_to_the_same_bits(tmp_path
     twin = fly({"CL0": 0.3, "CLa": 4.0, "CD0": 0.1, "Cellb": -0.1, "Cenb": 0.1, "Cemq": -9}, gravity=G)
     twin.recorder.begin()
     twin.entities.set_state("flyer", linear=(9.0, 1.0, 0.0))
-    twin.advance_to(0.5)
-    snapshot = twin.snapshot()
-    twin.advance_to(1.0)
-    there = twin.state_sha256()
-    twin.recorder.recording().save(tmp_path / "run.json")
-    twin.restore(snapshot)
-    twin.advance_to(1.0)
-    assert twin.state_sha256() == there
-    assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == there
+    goes_on_to_the_same_bits(twin, tmp_path)

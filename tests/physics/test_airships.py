@@ -4,10 +4,8 @@ from math import cos, sqrt
 
 import numpy as np
 import pytest
+from repeated_runs import goes_on_to_the_same_bits
 from waters import box, twin_of
-
-from drake_twin.twin.recording import Recording
-from drake_twin.twin.replay import replay
 
 STEPS = (0.001, 0.01)
 SIZE = (3.0, 1.0, 1.0)
@@ -110,12 +108,4 @@ def test_a_replay_and_a_restored_twin_repeat_the_motion_to_the_last_bit(tmp_path
     twin = airship(tmp_path, 0.01, {"xx": 1.0, "yy": 6.0, "yr": 0.3}, **named)
     twin.entities.set_state("blimp", linear=(1, 0.2, 0.1), angular=(0, 0.1, 0.2))
     twin.recorder.begin()
-    twin.advance_to(0.5)
-    snapshot = twin.snapshot()
-    twin.advance_to(1.0)
-    end = twin.state_sha256()
-    twin.recorder.recording().save(tmp_path / "run.json")
-    twin.restore(snapshot)
-    twin.advance_to(1.0)
-    assert twin.state_sha256() == end
-    assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == end
+    goes_on_to_the_same_bits(twin, tmp_path)

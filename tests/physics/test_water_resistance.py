@@ -4,12 +4,11 @@ from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
+from repeated_runs import goes_on_to_the_same_bits
 from scipy.spatial.transform import Rotation
 from waters import WATER, G, box, buoyancy, height, hydrodynamics, period_of, roll, sampled, twin_of
 
 from drake_twin.messages.interface_types import make
-from drake_twin.twin.recording import Recording
-from drake_twin.twin.replay import replay
 
 STEPS = (0.001, 0.01)
 SIZE = (1.0, 0.4, 0.3)
@@ -232,13 +231,5 @@ def test_a_replay_and_a_restored_twin_repeat_the_motion_to_the_last_bit(tmp_path
     twin.recorder.begin()
     twin.advance_to(0.5)
     twin.publish("/ocean_current", make("geometry_msgs/msg/Vector3", {"x": 0.5, "y": 0.0, "z": 0.0}))
-    twin.advance_to(0.7)
-    snapshot = twin.snapshot()
-    twin.advance_to(1.0)
-    end = twin.state_sha256()
-    twin.recorder.recording().save(tmp_path / "run.json")
-    twin.restore(snapshot)
-    twin.advance_to(1.0)
-    assert twin.state_sha256() == end
-    assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == end
+    goes_on_to_the_same_bits(twin, tmp_path, 0.7)
     assert height(twin, "auv") > 0

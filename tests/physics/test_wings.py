@@ -5,11 +5,10 @@ from math import atan2, cos, hypot, sin, sqrt, tanh
 import numpy as np
 import pytest
 from flyers import FLAP, RHO, STEPS, G, deflect, flyer, plugin
+from repeated_runs import goes_on_to_the_same_bits
 
 from drake_twin import TwinBuilder
 from drake_twin.errors import InputError, RunError
-from drake_twin.twin.recording import Recording
-from drake_twin.twin.replay import replay
 
 
 @pytest.fixture
@@ -198,12 +197,4 @@ def test_a_run_goes_on_from_a_snapshot_a_rebuild_and_a_recording_to_the_same_bit
     twin = fly(MAIN, TAIL, gravity=G, inertia=(0.1, 0.1, 0.2))
     twin.recorder.begin()
     twin.entities.set_state("flyer", linear=(9.0, 1.0, 0.0))
-    twin.advance_to(0.5)
-    snapshot = twin.snapshot()
-    twin.advance_to(1.0)
-    there = twin.state_sha256()
-    twin.recorder.recording().save(tmp_path / "run.json")
-    twin.restore(snapshot)
-    twin.advance_to(1.0)
-    assert twin.state_sha256() == there
-    assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == there
+    goes_on_to_the_same_bits(twin, tmp_path)
