@@ -32,9 +32,8 @@ def wrenches_of(
     body = RobotBody(plant, plant.GetBodyByName("palm").model_instance(), tuple(wind))
     forces, count = kind([(item, body) for item in controllers]), len(controllers)
     R = rotation(rpy)
-    poses = np.array([np.column_stack([R, np.zeros(3)])])
     V_B = np.concatenate([R.T @ angular, R.T @ linear])
-    motion = Motion(0.0, _state(plant), poses, V_B[None, :], np.zeros(count, dtype=int))
+    motion = Motion(0.0, _state(plant), R[None, :, :], np.zeros((1, 3)), V_B[None, :], np.zeros(count, dtype=int))
     return forces.wrenches(motion, np.full(count, active))
 
 

@@ -59,15 +59,19 @@ class AppliedForces(WitnesslessSystem):
         self._free = FreeBodies(self.bodies[: len(free)], plant.num_positions())
         self._others = list(enumerate(self.bodies))[len(free) :]
         place = {index: number for number, index in enumerate(indices)}
-        self._kinds, end = [], 0
+        self._kinds: list[tuple[BodyForces, np.ndarray | slice, np.ndarray | None, slice]] = []
+        end = 0
         for forces, size in kinds:
             places = np.array([place[int(body.index())] for body in forces.bodies])
-            sums = np.zeros((len(indices), len(places)))
-            sums[places, np.arange(len(places))] = 1.0
-            self._kinds.append((forces, places, sums, slice(end, end + size)))
+            part = slice(end, end + size)
+            if np.array_equal(places, np.arange(len(indices))):
+                self._kinds.append((forces, slice(None), None, part))
+            else:
+                sums = np.zeros((len(indices), len(places)))
+                sums[places, np.arange(len(places))] = 1.0
+                self._kinds.append((forces, places, sums, part))
             end += size
-        self._poses = np.zeros((len(indices), 3, 4))
-        self._velocities = np.zeros((len(indices), 6))
+        self._half_step = plant.time_step() / 2
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._signals = self.DeclareVectorInputPort("signals", end) if end else None
         self._place, self._pushes = place, None
@@ -93,34 +97,44 @@ class AppliedForces(WitnesslessSystem):
         context.get_mutable_numeric_parameter(int(self._masses))
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        state, signals = self._state.Eval(context), None
-        if self._signals is not None:
-            signals = self._signals.Eval(context)
-        count = len(self.bodies) - len(self._others)
-        if count:
-            self._poses[:count], self._velocities[:count] = self._free.read(state)
-        if self._others:
-            self._plant.SetPositionsAndVelocities(self._context, state)
-        for number, body in self._others:
-            self._poses[number] = body.EvalPoseInWorld(self._context).GetAsMatrix34()
-            self._velocities[number] = body.EvalSpatialVelocityInWorld(self._context).get_coeffs()
-        R_WB = self._poses[:, :, :3]
+        state = self._state.Eval(context)
+        signals = _NO_SIGNALS if self._signals is None else self._signals.Eval(context)
+        R_WB, origins, velocities = self._motion(state)
         # Rows times a rotation are the columns of its inverse: the velocities in the bodies' own axes.
-        V_B = (self._velocities.reshape(-1, 2, 3) @ R_WB).reshape(-1, 6)
-        time = context.get_time() + self._plant.time_step() / 2
-        total = np.zeros((len(self.bodies), 6))
+        V_B = (velocities.reshape(-1, 2, 3) @ R_WB).reshape(-1, 6)
+        time, total = context.get_time() + self._half_step, None
         for forces, places, sums, part in self._kinds:
             known = total
             if forces.is_last and self._pushes is not None and (pushes := self._pushes.Eval(context)):
-                known = total + self._of_pushes(pushes, R_WB)
-            motion = Motion(time, state, self._poses, V_B, places, known)
-            total += sums @ forces.wrenches(motion, _NO_SIGNALS if signals is None else signals[part])
+                of_pushes = self._of_pushes(pushes, R_WB)
+                known = of_pushes if total is None else total + of_pushes
+            motion = Motion(time, state, R_WB, origins, V_B, places, known)
+            wrenches = forces.wrenches(motion, signals[part])
+            if sums is not None:
+                wrenches = sums @ wrenches
+            total = wrenches if total is None else total + wrenches
+        assert total is not None
         if not self.are_generalized:
             output.SetFromVector(total.ravel())
             return
-        generalized = np.zeros(self._plant.num_velocities())
+        generalized = np.zeros(output.size())
         generalized[self._free.velocities] = (total.reshape(-1, 2, 3) @ R_WB.transpose(0, 2, 1)).reshape(-1, 6)
         output.SetFromVector(generalized)
+
+    def _motion(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the orientation, the origin and the velocity of each of the bodies, in the world frame."""
+        if not self._others:
+            return self._free.read(state)
+        count = len(self.bodies)
+        R_WB, origins, velocities = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((count, 6))
+        free = slice(count - len(self._others))
+        R_WB[free], origins[free], velocities[free] = self._free.read(state)
+        self._plant.SetPositionsAndVelocities(self._context, state)
+        for number, body in self._others:
+            X_WB = body.EvalPoseInWorld(self._context)
+            R_WB[number], origins[number] = X_WB.rotation().matrix(), X_WB.translation()
+            velocities[number] = body.EvalSpatialVelocityInWorld(self._context).get_coeffs()
+        return R_WB, origins, velocities
 
     def _of_pushes(self, pushes: Sequence[ExternallyAppliedSpatialForce], R_WB: np.ndarray) -> np.ndarray:
         """Return the wrenches of pushes on the bodies, as those of the output."""

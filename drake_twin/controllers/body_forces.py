@@ -68,9 +68,10 @@ class Motion:
     Args:
         time: The time (s); of a plant with steps the middle of the step, since forces are constant in it.
         state: The plant's ``[q; v]``.
-        poses: The pose X_WB of each body that forces act on (m×3×4, m).
+        rotations: The orientation R_WB of each body that forces act on (m×3×3).
+        origins: The place of its origin in the world frame (m×3, m).
         velocities: Its velocity, in its own axes (m×6): angular (rad/s), then that of its origin (m/s).
-        places: The index there of each body that is meant (n).
+        places: The index there of each body that is meant (n), or a slice.
         applied: The wrenches that the kinds before this one exert on each, about its origin and in its own axes (m×6);
             None for no such wrenches.
 
@@ -79,30 +80,32 @@ class Motion:
         state: The plant's ``[q; v]``.
     """
 
-    __slots__ = ("_applied", "_places", "_poses", "_velocities", "state", "time")
+    __slots__ = ("_applied", "_origins", "_places", "_rotations", "_velocities", "state", "time")
 
     def __init__(
         self,
         time: float,
         state: np.ndarray,
-        poses: np.ndarray,
+        rotations: np.ndarray,
+        origins: np.ndarray,
         velocities: np.ndarray,
-        places: np.ndarray,
+        places: np.ndarray | slice,
         applied: np.ndarray | None = None,
     ):
         self.time, self.state = time, state
-        self._poses, self._velocities, self._places, self._applied = poses, velocities, places, applied
+        self._rotations, self._origins, self._velocities = rotations, origins, velocities
+        self._places, self._applied = places, applied
 
     @property
     def R_WB(self) -> np.ndarray:
         """The orientation of each body, shape (n, 3, 3)."""
-        rotations: np.ndarray = self._poses[self._places, :, :3]
+        rotations: np.ndarray = self._rotations[self._places]
         return rotations
 
     @property
     def origins(self) -> np.ndarray:
         """The place of its origin in the world frame (n×3, m)."""
-        origins: np.ndarray = self._poses[self._places, :, 3]
+        origins: np.ndarray = self._origins[self._places]
         return origins
 
     @property
@@ -115,7 +118,7 @@ class Motion:
     def applied(self) -> np.ndarray:
         """The wrenches that the kinds before this one exert on it, about its origin and in its own axes (n×6)."""
         if self._applied is None:
-            return np.zeros((len(self._places), 6))
+            return np.zeros_like(self.V_B)
         applied: np.ndarray = self._applied[self._places]
         return applied
 

@@ -24,7 +24,8 @@ def _of_products() -> np.ndarray:
     for place, terms in _PRODUCTS.items():
         for one, other, sign in terms:
             found[one, other, place] = 2 * sign
-    return found.reshape(16, 9)
+    lengths = np.eye(4).reshape(16, 1)  # the sum of the squares
+    return np.hstack([found.reshape(16, 9), lengths])
 
 
 _OF_PRODUCTS = _of_products()
@@ -44,26 +45,23 @@ class FreeBodies:
     def __init__(self, bodies: Sequence[RigidBody], num_positions: int):
         first = np.array([body.floating_positions_start() for body in bodies], dtype=int)
         velocity = np.array([body.floating_velocities_start_in_v() for body in bodies], dtype=int)
-        self._turns = first[:, None] + np.arange(4)
-        self._origins = first[:, None] + np.arange(4, 7)
         self.velocities = velocity[:, None] + np.arange(6)
-        self._velocities = num_positions + self.velocities
+        self._places = np.hstack([first[:, None] + np.arange(7), num_positions + self.velocities])
 
     @staticmethod
     def has(body: RigidBody) -> bool:
         """Tell whether a body is one."""
         return bool(body.is_floating_base_body() and body.has_quaternion_dofs())
 
-    def read(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return each pose X_WB (n×3×4, m) and each velocity in the world frame (n×6): angular (rad/s), linear (m/s).
+    def read(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return each one's orientation R_WB (n×3×3), place (n×3, m), and velocity, all in the world frame.
+
+        The velocity is the angular (rad/s), then that of the origin (m/s), n×6.
 
         Args:
             state: The plant's ``[q; v]``; the length of a quaternion in it does not count.
         """
-        turns = state[self._turns]
-        products = turns[:, :, None] * turns[:, None, :]
-        lengths = products[:, 0, 0] + products[:, 1, 1] + products[:, 2, 2] + products[:, 3, 3]
-        poses = np.empty((len(turns), 3, 4))
-        poses[:, :, :3] = (products.reshape(-1, 16) @ _OF_PRODUCTS / lengths[:, None]).reshape(-1, 3, 3)
-        poses[:, :, 3] = state[self._origins]
-        return poses, state[self._velocities]
+        rows = state[self._places]
+        turns = rows[:, :4]
+        products = (turns[:, :, None] * turns[:, None, :]).reshape(-1, 16) @ _OF_PRODUCTS
+        return (products[:, :9] / products[:, 9:]).reshape(-1, 3, 3), rows[:, 4:7], rows[:, 7:]

@@ -150,46 +150,58 @@ class RotorForces(BodyForces):
     """
 
     def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
+        rotors = [
+            (body.joint(joint).parent_body(), number, source.setup.parameters, body)
+            for source, body in sources
+            for number, joint in enumerate(source.setup.parameters.joints)
+        ]
+        order = sorted(range(len(rotors)), key=lambda index: int(rotors[index][0].index()))
+        self._of_signals = 4 * np.array(order) + np.arange(4)[:, None]
+        rotors = [rotors[index] for index in order]
         self.bodies: list[RigidBody] = []
-        thrusts, drags, ups, downs = [], [], [], []
-        for source, body in sources:
-            parameters: MulticopterParameters = source.setup.parameters
-            for number, (joint, link) in enumerate(zip(parameters.joints, parameters.links, strict=True)):
-                carrier, rotor = body.joint(joint).parent_body(), body.link(link)
-                pose = body.pose(rotor, carrier)
-                axis, center = pose.rotation().matrix()[:, 2], pose @ rotor.default_com()
-                origin = pose.translation()
+        thrusts, drags, carriers, self._firsts = [], [], [], []
+        for index, (carrier, number, parameters, body) in enumerate(rotors):
+            if not self.bodies or carrier.index() != self.bodies[-1].index():
                 self.bodies.append(carrier)
-                turns = parameters.turning_directions[number]
-                thrust = parameters.motor_constants[number]
-                moment = np.cross(center, axis) - turns * parameters.moment_constants[number] * axis
-                thrusts.append(thrust * np.concatenate([moment, axis]))
-                across = np.eye(3) - np.outer(axis, axis)
-                velocity = across @ np.hstack([-VectorToSkewSymmetric(origin), np.eye(3)])  # across the axis
-                moment_and_force = np.vstack([VectorToSkewSymmetric(center), np.eye(3)])
-                drag = -parameters.rotor_drag_coefficients[number] * moment_and_force
-                drag[:3] -= parameters.rolling_moment_coefficients[number] * np.eye(3)
-                drags.append(drag @ velocity)
-                ups.append(parameters.time_constants_up[number])
-                downs.append(parameters.time_constants_down[number])
-        self._thrusts, self._drags = np.array(thrusts), np.array(drags)
-        self._ups, self._downs = -1.0 / np.array(ups), -1.0 / np.array(downs)
-        self._wind = np.array([body.wind for source, body in sources for _ in source.setup.parameters.joints])
+                self._firsts.append(index)
+            carriers.append(len(self.bodies) - 1)
+            thrust, drag = _thrust_and_drag(parameters, number, body, carrier)
+            thrusts.append(thrust)
+            drags.append(drag)
+        self._thrusts, self._drags, self._carriers = np.array(thrusts), np.array(drags), np.array(carriers)
+        self._wind = np.array([rotors[first][3].wind for first in self._firsts])
         self._is_windy = bool(self._wind.any())
 
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
-        """Return the wrench of each rotor on its carrier."""
-        since, start, target = signals.reshape(-1, 3).T
-        rates = np.where(target > start, self._ups, self._downs)
-        speeds = target + (start - target) * np.exp(rates * (motion.time - since))
+        """Return the wrench of the rotors on each of their carriers."""
+        since, target, gap, rate = signals[self._of_signals]
+        speeds = target + gap * np.exp(rate * (motion.time - since))
         velocity = motion.V_B
         if self._is_windy:
             velocity = velocity.copy()
             velocity[:, 3:] -= np.einsum("nji,nj->ni", motion.R_WB, self._wind)
-        drag = (self._drags @ velocity[:, :, None])[:, :, 0]
-        size = np.abs(speeds)
-        wrenches: np.ndarray = size[:, None] * (speeds[:, None] * self._thrusts + drag)
+        drag = (self._drags @ velocity[self._carriers, :, None])[:, :, 0]
+        each = np.abs(speeds)[:, None] * (speeds[:, None] * self._thrusts + drag)
+        wrenches: np.ndarray = np.add.reduceat(each, self._firsts)
         return wrenches
+
+
+def _thrust_and_drag(
+    parameters: MulticopterParameters, number: int, body: RobotBody, carrier: RigidBody
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a rotor's wrench on its carrier ÷ ω², and that of its drag ÷ ω and the carrier's velocity (6×6)."""
+    rotor = body.link(parameters.links[number])
+    pose = body.pose(rotor, carrier)
+    axis, center = pose.rotation().matrix()[:, 2], pose @ rotor.default_com()
+    turns = parameters.turning_directions[number]
+    moment = np.cross(center, axis) - turns * parameters.moment_constants[number] * axis
+    thrust = parameters.motor_constants[number] * np.concatenate([moment, axis])
+    across = np.eye(3) - np.outer(axis, axis)
+    velocity = across @ np.hstack([-VectorToSkewSymmetric(pose.translation()), np.eye(3)])  # across the axis
+    moment_and_force = np.vstack([VectorToSkewSymmetric(center), np.eye(3)])
+    drag = -parameters.rotor_drag_coefficients[number] * moment_and_force
+    drag[:3] -= parameters.rolling_moment_coefficients[number] * np.eye(3)
+    return thrust, drag @ velocity
 
 
 @controller(MULTICOPTER)
@@ -217,7 +229,8 @@ class Multicopter(ForceController, StatefulController):
     - ``cmd_vel``, ``enable``: ``geometry_msgs/msg/Twist``, in the body's axes, and ``std_msgs/msg/Bool``, as
       `VelocityCommand`; where the velocity is controlled, from the first ``cmd_vel`` on.
     - ``true_state``: the robot's ``[q; v]``, where the velocity is controlled.
-    - ``signals``: for each rotor since when it approaches a speed (s), from which speed, and which (rad/s).
+    - ``signals``: for each rotor since when it approaches a speed (s), which, how far it was from that (rad/s), and
+      the rate of the approach, which is negative (1/s).
     """
 
     Parameters: ClassVar[type] = MulticopterParameters
@@ -254,7 +267,7 @@ class Multicopter(ForceController, StatefulController):
             inputs.append(self.input_port_ticket(self._speeds.get_index()))
         tickets = {self.sample_ticket(), *inputs}
         self.declare_command_interfaces(self._calc_command_interfaces, tickets)
-        self.DeclareVectorOutputPort("signals", 3 * count, weakly(self._calc_signals), tickets)
+        self.DeclareVectorOutputPort("signals", 4 * count, weakly(self._calc_signals), tickets)
 
     def attach(self, body: RobotBody) -> None:
         """Note the robot, and prepare the control of its velocity.
@@ -343,7 +356,12 @@ class Multicopter(ForceController, StatefulController):
 
     def _calc_signals(self, context: Context, output: BasicVector) -> None:
         now = self._now(context) if self.sample(context).active else self._still
-        output.SetFromVector(np.column_stack([np.full(len(now.starts), now.time), now.starts, now.targets]).ravel())
+        signals, lags = [], self.setup.parameters
+        for start, target, up, down in zip(
+            now.starts, now.targets, lags.time_constants_up, lags.time_constants_down, strict=True
+        ):
+            signals += [now.time, target, start - target, -1.0 / (up if target > start else down)]
+        output.SetFromVector(signals)
 
 
 def _clipped(values: Sequence[float], limits: Sequence[float]) -> tuple[float, ...]:

@@ -40,7 +40,9 @@ def actuators(*values):
 
 
 def signals(run):
-    return run.controller.GetOutputPort("signals").Eval(run.context).reshape(-1, 3).tolist()
+    """Of each rotor: since when, from which speed, to which, and the lag."""
+    rows = run.controller.GetOutputPort("signals").Eval(run.context).reshape(-1, 4).tolist()
+    return [[since, target + gap, target, -1 / rate] for since, target, gap, rate in rows]
 
 
 def test_joints_turn_as_their_numbers_and_directions_say():
@@ -53,11 +55,12 @@ def test_joints_turn_as_their_numbers_and_directions_say():
 def test_speeds_start_from_those_that_the_rotors_have():
     run = rotors()
     run.send("motor_speed", actuators(100.0, 600.0))  # the first rotor's largest is 500
-    assert signals(run) == [[0.0, 0.0, 500.0], [0.0, 0.0, 100.0]]
+    assert signals(run) == [[0.0, 0.0, 500.0, 0.1], [0.0, 0.0, 100.0, 0.1]]
     run.advance(0.1)
     run.send("motor_speed", actuators(0.0, 500.0))
     risen = 1 - exp(-1)
-    assert np.array(signals(run)) == pytest.approx(np.array([[0.1, 500 * risen, 500.0], [0.1, 100 * risen, 0.0]]))
+    assert signals(run)[0] == pytest.approx([0.1, 500 * risen, 500.0, 0.1])
+    assert signals(run)[1] == pytest.approx([0.1, 100 * risen, 0.0, 0.2])
     run.advance(0.3)
     run.send("motor_speed", actuators(0.0, 0.0))
     assert signals(run)[1][1] == pytest.approx(100 * risen * exp(-1))  # with the lag of a speed that falls
@@ -75,7 +78,7 @@ def test_nothing_turns_while_it_is_inactive():
     run = rotors()
     run.send("motor_speed", actuators(100.0, 100.0))
     run.controller.deactivate(run.context)
-    assert all(row == [0.0, 0.0, 0.0] for row in signals(run))
+    assert all(row[1:3] == [0.0, 0.0] for row in signals(run))
 
 
 def built(folder, text):
