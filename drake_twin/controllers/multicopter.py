@@ -151,43 +151,44 @@ class RotorForces(BodyForces):
 
     def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
         rotors = [
-            (body.joint(joint).parent_body(), number, source.setup.parameters, body)
+            (body, source.setup.parameters, number, body.joint(joint).parent_body())
             for source, body in sources
             for number, joint in enumerate(source.setup.parameters.joints)
         ]
-        order = sorted(range(len(rotors)), key=lambda index: int(rotors[index][0].index()))
-        self._of_signals = 4 * np.array(order) + np.arange(4)[:, None]
-        rotors = [rotors[index] for index in order]
-        self.bodies: list[RigidBody] = []
-        thrusts, drags, carriers, self._firsts = [], [], [], []
-        for index, (carrier, number, parameters, body) in enumerate(rotors):
-            if not self.bodies or carrier.index() != self.bodies[-1].index():
-                self.bodies.append(carrier)
-                self._firsts.append(index)
-            carriers.append(len(self.bodies) - 1)
-            thrust, drag = _thrust_and_drag(parameters, number, body, carrier)
-            thrusts.append(thrust)
-            drags.append(drag)
-        self._thrusts, self._drags, self._carriers = np.array(thrusts), np.array(drags), np.array(carriers)
-        self._wind = np.array([rotors[first][3].wind for first in self._firsts])
+        of_carriers: dict[int, list[int]] = {}
+        for place, (*_, carrier) in enumerate(rotors):
+            of_carriers.setdefault(int(carrier.index()), []).append(place)
+        of_carriers = dict(sorted(of_carriers.items()))
+        self.bodies = [rotors[places[0]][-1] for places in of_carriers.values()]
+        self._wind = np.array([rotors[places[0]][0].wind for places in of_carriers.values()])
         self._is_windy = bool(self._wind.any())
+        # What a carrier has fewer rotors than another one has neither thrust nor drag, and the signals of any.
+        shape = len(of_carriers), max(map(len, of_carriers.values()))
+        places_of_rotors = np.zeros(shape, dtype=int)
+        self._thrusts, self._drags = np.zeros((*shape, 6)), np.zeros((*shape, 36))
+        for row, places in enumerate(of_carriers.values()):
+            for column, place in enumerate(places):
+                places_of_rotors[row, column] = place
+                thrust, drag = _thrust_and_drag(*rotors[place])
+                self._thrusts[row, column], self._drags[row, column] = thrust, drag.ravel()
+        self._of_signals = 4 * places_of_rotors + np.arange(4)[:, None, None]
 
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
         """Return the wrench of the rotors on each of their carriers."""
         since, target, gap, rate = signals[self._of_signals]
-        speeds = target + gap * np.exp(rate * (motion.time - since))
+        speeds = (target + gap * np.exp(rate * (motion.time - since)))[:, None, :]
         velocity = motion.V_B
         if self._is_windy:
             velocity = velocity.copy()
             velocity[:, 3:] -= np.einsum("nji,nj->ni", motion.R_WB, self._wind)
-        drag = (self._drags @ velocity[self._carriers, :, None])[:, :, 0]
-        each = np.abs(speeds)[:, None] * (speeds[:, None] * self._thrusts + drag)
-        wrenches: np.ndarray = np.add.reduceat(each, self._firsts)
+        sizes = np.abs(speeds)
+        thrust, drag = sizes * speeds @ self._thrusts, (sizes @ self._drags).reshape(-1, 6, 6)
+        wrenches: np.ndarray = thrust[:, 0] + (drag @ velocity[:, :, None])[:, :, 0]
         return wrenches
 
 
 def _thrust_and_drag(
-    parameters: MulticopterParameters, number: int, body: RobotBody, carrier: RigidBody
+    body: RobotBody, parameters: MulticopterParameters, number: int, carrier: RigidBody
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return a rotor's wrench on its carrier ÷ ω², and that of its drag ÷ ω and the carrier's velocity (6×6)."""
     rotor = body.link(parameters.links[number])
