@@ -15,6 +15,7 @@ from drake_twin.control.lee_velocity import ControlledRotor, LeeGains, LeeVeloci
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.body_forces import BodyForces, ForceController, Motion, RobotBody
 from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import is_motion
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.dataclass import dataclass
@@ -350,6 +351,9 @@ class Multicopter(ForceController, StatefulController):
             targets = [min(by_number[number], most) for number, most in limits]
         memory = self._approached(sample.memory, time, targets)
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(replace(sample, time=time, memory=memory))
+        before = sample.memory.targets
+        if self.setup.tells_of_motion and list(map(is_motion, before)) != list(map(is_motion, targets)):
+            return EventStatus.ReachedTermination(self, self.setup.name)  # the joint is driven, or braked, from now on
         return EventStatus.Succeeded()
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:

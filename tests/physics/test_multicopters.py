@@ -174,6 +174,16 @@ def test_nothing_flies_before_a_command_and_after_it_is_switched_off(tmp_path):
     assert abs(velocity(twin)[2]) < 0.1
 
 
+def test_rotors_turn_as_fast_as_the_control_of_the_velocity_asks_and_stop_when_it_ends(tmp_path, step):
+    twin = flying(tmp_path, step, controlled=True, rotorVelocitySlowdownSim=1)
+    twin.publish("/uav/command/twist", twist())
+    twin.advance_to(1.0)
+    assert np.abs(twin.robot_state("uav").velocities) == pytest.approx(HOVER, rel=0.01)
+    twin.publish("/uav/enable", make("std_msgs/msg/Bool", {"data": False}))
+    twin.advance_to(2.0)
+    assert twin.robot_state("uav").velocities == pytest.approx((0.0,) * 4, abs=1e-3)
+
+
 def test_a_flight_repeats_to_the_bit_and_goes_on_from_a_snapshot(tmp_path):
     def flown(twin, until):
         twin.publish("/uav/command/twist", twist(1.0, 0.5, 0.2, 0.3))
