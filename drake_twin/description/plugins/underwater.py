@@ -117,7 +117,7 @@ def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
         topics={own: ros + name for own, name in names.items()},
         gz_topics={own: gz + name for own, name in names.items()},
         interfaces=((joint, "velocity"),),
-        servos={} if is_direct else {(joint, "velocity"): Servo(gain)},
+        servos={(joint, "velocity"): Servo() if is_direct else Servo(gain)},
         warnings=tuple(warnings),
     )
 
