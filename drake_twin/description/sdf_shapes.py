@@ -32,6 +32,9 @@ _SIZES = {
     "cone": ("radius", "length"),
     "ellipsoid": ("radii",),
 }
+# What is not there has the value of SDFormat's description of the shape.
+_DEFAULTS = {"size": "1 1 1", "radius": "1", "length": "1", "radii": "1 1 1"}
+_OF_CAPSULE = {"radius": "0.5"}
 _SHAPES = (*_SIZES, "plane", "mesh")
 _COUNTS = {"size": 3, "radii": 3}  # of numbers; else one
 _CONE_SIDES = 48
@@ -59,6 +62,8 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
         assert link is not None
         kinds = [child for child in geometry if isinstance(child.tag, str)] if geometry is not None else []
         kind = kinds[0] if kinds else None
+        if kind is not None and (added := _complete(kind)):
+            yield f"a {shape.tag} <{kind.tag}> has {added}, as in Gazebo: it gives none", weight_of(shape)
         reason = None
         if kind is None or kind.tag == "empty":
             reason = ""
@@ -74,6 +79,17 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
                 yield reason, weight_of(shape)
         elif kind is not None and kind.tag == "plane":
             yield from ((what, weight_of(shape)) for what in _wrong_in_plane(kind, shape))
+
+
+def _complete(kind: etree._Element) -> str:
+    """Add the sizes that a shape does not give; return what was added."""
+    added = []
+    for tag in _SIZES.get(str(kind.tag), ()):
+        if kind.find(tag) is None:
+            value = (_OF_CAPSULE if kind.tag == "capsule" else {}).get(tag, _DEFAULTS[tag])
+            etree.SubElement(kind, tag).text = value
+            added.append(f"the {tag} {value}")
+    return " and ".join(added)
 
 
 def _has_size(element: etree._Element | None) -> bool:
