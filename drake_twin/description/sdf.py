@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from lxml import etree
 
+from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_addresses import SdfAddresses
 from drake_twin.description.sdf_model import mend_model
@@ -50,7 +51,7 @@ def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageInde
     """Convert a robot's model to the one that Drake is given, with the twin's name and meshes that Drake reads.
 
     Raises:
-        InputError: If a joint to the world is not fixed, or a value is invalid.
+        InputError: If a value is invalid.
     """
     reader = reader.copy()
     file = reader.file
@@ -68,11 +69,16 @@ def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageInde
         lay_slabs(model)
     held: list[str] = []
     for joint in model.findall("joint"):
-        if (joint.findtext("parent") or "").strip() == "world":
-            if joint.get("type") != "fixed":
-                raise reader.error(joint, "a joint to the world must be fixed")
+        parent = joint.find("parent")
+        if parent is None or (parent.text or "").strip() != "world":
+            continue
+        if joint.get("type") == "fixed":
             held.append((joint.findtext("child") or "").strip())
             model.remove(joint)
+        else:
+            parent.text = _world_link(model)
+            held.insert(0, parent.text)
+    held = list(dict.fromkeys(held))
     if held and not is_fixed:
         if len(_roots(model)) > 1:
             _weld(model, held)
@@ -112,6 +118,15 @@ def _roots(model: etree._Element) -> list[str]:
     """Return the links that no joint holds."""
     children = {(joint.findtext("child") or "").strip() for joint in model.findall("joint")}
     return [name for link in model.findall("link") if (name := link.get("name", "")) not in children]
+
+
+def _world_link(model: etree._Element) -> str:
+    """Return the link that stands for the world in a model's movable joints to it, as a URDF's ``world``; add it."""
+    name = drake_link_name("world")
+    if all(link.get("name") != name for link in model.findall("link")):
+        link = etree.Element("link", name=name)
+        model.insert(0, link)
+    return name
 
 
 def _weld(model: etree._Element, links: Sequence[str]) -> None:
