@@ -154,6 +154,7 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 
 
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
+    from drake_twin.description.added_mass import added_mass_plugins
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.included_model import included_model
     from drake_twin.description.link_surface import sdf_surfaces
@@ -174,7 +175,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         description = describe_model(prepared, "sdf", text, file, own_name)
     except InputError as error:
         raise with_place(error, reader) from None
-    plugins = tuple(read_plugins(reader, "model/plugin"))
+    plugins = (*read_plugins(reader, "model/plugin"), *added_mass_plugins(reader, model))
     joints = [
         replace(joint, friction=frictions.pop(joint.name)[0]) if joint.is_movable and joint.name in frictions else joint
         for joint in description.joints

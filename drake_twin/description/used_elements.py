@@ -6,6 +6,7 @@ from dataclasses import field
 from lxml import etree
 
 from drake_twin.dataclass import dataclass
+from drake_twin.description.added_mass import ADDED_MASS_ENTRIES
 from drake_twin.findings import Weight
 
 DRAKE = "{http://drake.mit.edu}"  # the namespace of what Drake's parser reads itself
@@ -118,7 +119,12 @@ SDF_MODEL = _part(
         "name",
         "gravity self_collide",
         pose=_POSE,
-        inertial=_part(texts="mass", pose=_POSE, inertia=_part(texts="ixx ixy ixz iyy iyz izz")),
+        inertial=_part(
+            texts="mass",
+            pose=_POSE,
+            inertia=_part(texts="ixx ixy ixz iyy iyz izz"),
+            fluid_added_mass=_part(texts=" ".join(ADDED_MASS_ENTRIES)),
+        ),
         visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient emissive")),
         collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
@@ -149,7 +155,7 @@ NO_EFFECT_IN_WORLDS = frozenset(
             "pbr",
             "transparency",
         ),
-        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "fluid_added_mass", "auto"),
+        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "auto"),
         *("stiffness", "dissipation", "heightmap", "image", "polyline", "convex_decomposition"),
         *("ode", "dart", "simbody", "magnetic_field"),  # of <physics>
         *("model", "plugin", "sensor", "light", "gripper", "particle_emitter", "projector"),

@@ -153,14 +153,15 @@ def read_world(
 
 
 def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins drives it."""
+    """Return a model's own SDF if one of its plugins, or the fluid about it, drives it."""
     plugins = model.findall("plugin")
-    if not plugins:
+    has_mass_of_fluid = next(model.iter("fluid_added_mass"), None) is not None
+    if not plugins and not has_mass_of_fluid:
         return None
     from drake_twin.description.gazebo_drives import is_drive
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    if not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
+    if not has_mass_of_fluid and not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
         return None
     copy = deepcopy(model)
     for pose in copy.findall("pose"):

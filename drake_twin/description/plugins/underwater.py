@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drake_twin.description.added_mass import fluid_added_mass
+from drake_twin.description.added_mass import IMPLIED, added_mass_of, fluid_added_mass
 from drake_twin.description.gazebo_drive import (
     EACH_STEP,
     HYDRODYNAMICS,
@@ -33,6 +33,8 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         "disable_coriolis": plugin.flag("disable_coriolis", False),
         "default_current": list(plugin.vector("default_current")),
     }
+    if (added := fluid_added_mass(plugin.description.text, link, plugin)) is not None:
+        parameters["fluid_added_mass"] = added.ravel().tolist()
     plugin.has("water_density")  # which gz-sim does not use
     space = plugin.text("namespace", "").strip("/")
     topic = f"/model/{space}/ocean_current" if space else "/ocean_current"
@@ -43,6 +45,14 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         gz_topics={"ocean_current": topic},
         warnings=tuple(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
     )
+
+
+@gazebo_plugin(IMPLIED)
+def fluid_added_mass_of_link(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert SDF's ``<fluid_added_mass>`` of a link without a plugin about it, as Gazebo's engine has it."""
+    values = {tag: plugin.text(tag, "") for tag in plugin.plugin.elements}
+    added = added_mass_of(values, plugin)
+    return plugin.drive(HYDRODYNAMICS, {"link_name": values["link_name"], "fluid_added_mass": added.ravel().tolist()})
 
 
 def _brakes(tag: str) -> bool:
