@@ -28,6 +28,7 @@ from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
 from drake_twin.twin.owner import Owner
 from drake_twin.twin.parameter_changes import ParameterChanges
+from drake_twin.twin.performer_detectors import PerformerDetectors
 from drake_twin.twin.physics import Physics, has_other_parameters, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.rosout import TwinLog, log_of
@@ -82,6 +83,7 @@ class Session:
         parameters: What is set of the controllers' parameters.
         events: The topics that no port of the diagram has.
         triggers: What publishes messages when it hears one.
+        detectors: What notices performers.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -108,6 +110,7 @@ class Session:
         self.events = EventTopics(owner, lambda: self.clock.time)
         self.triggers = Triggers(self.clock, self.events, self.subscriptions)
         self.triggers.publication = self._publication
+        self.detectors = PerformerDetectors(self.clock, self.events, self.triggers.take)
         self.parameters = ParameterChanges(self, lambda: self.clock.time)
         TwinLog(self.events[ROSOUT])
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
@@ -215,6 +218,7 @@ class Session:
             *self.controls.values(),
             self.parameters,
             self.triggers,
+            self.detectors,
         )
 
     def state(self) -> dict[str, Any]:
@@ -358,6 +362,7 @@ class Session:
         self.commands.start(self.scenario.commands)
         self.wrenches.start(self.physics.pushes, first_wrenches(self.built))
         self.triggers.start()
+        self.detectors.start()
         for control in self.controls.values():
             control.start()
         self.physics.detachable_joints.follow()
@@ -387,5 +392,6 @@ class Session:
         self.controls = controls
         self.parameters.keep(controls)
         self.commands.use(physics, controls, self.clock)
-        self.triggers.use(physics.built)
+        self.detectors.use(physics.built)
+        self.triggers.use(physics.built, self.detectors.endpoints)
         self.wrenches.use(physics, (*controls, *physics.built.world_models))

@@ -6,7 +6,7 @@ in the thread that advances the twin, so that a run repeats to the last bit.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -71,8 +71,13 @@ class Triggers:
         self._before: list[tuple[float, str, int]] = []
         self._refused: dict[str, str] = {}
 
-    def use(self, built: TwinDiagram) -> None:
-        """Switch to a newly built diagram; what is pending stays if its trigger does."""
+    def use(self, built: TwinDiagram, others: Sequence[Endpoint] = ()) -> None:
+        """Switch to a newly built diagram; what is pending stays if its trigger does.
+
+        Args:
+            built: The diagram.
+            others: Topics of the twin that no port has and that are published elsewhere.
+        """
         self._known = {(item.owner, item.number): item for item in built.triggers}
         self.pending = [entry for entry in self.pending if entry[1:] in self._known]
         self.heard = {}
@@ -86,17 +91,19 @@ class Triggers:
             self._ends.pop(topic)()
         for topic in sorted((self.heard.keys() & published.keys()) - self._ends.keys()):
             self._ends[topic] = self._follow(topic)
-        heard = {topic: self._type(topic) for topic in self.heard if topic not in published}
+        known = {*published, *(item.name for item in others)}
+        heard = {topic: self._type(topic) for topic in self.heard if topic not in known}
         self.endpoints = tuple(
             Endpoint(COMMANDED, topic, type_, TWIN_NODE) for topic, type_ in heard.items() if topic not in self._types
         )
         told = {message.topic: message.type for item in built.triggers for message in item.trigger.messages}
-        taken = {*self._types, *heard, *published}
-        self._events.use(
+        taken = {*self._types, *heard, *known}
+        more = (
             Endpoint(PUBLISHED, topic, type_, TWIN_NODE, depth=_DEPTH)
             for topic, type_ in told.items()
             if topic not in taken
         )
+        self._events.use((*others, *more))
 
     def hears(self, topic: Any) -> bool:
         """Tell whether a message that is published to the twin may trigger something."""
@@ -113,11 +120,11 @@ class Triggers:
             CommandError: If the message does not fit the topic.
         """
         if topic not in self._types:
-            self._take(topic, self.check(topic, data))
+            self.take(topic, self.check(topic, data))
             return
         fields = data if isinstance(data, Mapping) or hasattr(data, "__msgtype__") else {"data": data}
         with suppress(TypeError, ValueError):  # its controller may refuse it
-            self._take(topic, make(self._types[topic], fields))
+            self.take(topic, make(self._types[topic], fields))
 
     def check(self, topic: str, data: Any) -> Any:
         """Return data as a message of a topic.
@@ -135,8 +142,8 @@ class Triggers:
         types = (item.trigger.type for item in self.heard[topic] if item.trigger.type)
         return next(types, _TYPE_OF_ANY)
 
-    def _take(self, topic: str, message: Any) -> None:
-        """Note what a message triggers."""
+    def take(self, topic: str, message: Any) -> None:
+        """Note what a message triggers that is on a topic."""
         kind = message.__msgtype__
         for item in self.heard.get(topic, ()):
             is_heard = item.trigger.type in (kind, _ANY) and item.trigger.hears(message)
@@ -190,7 +197,7 @@ class Triggers:
         if topic in self._types:
             self._command(topic, as_type(self._types[topic], message))
         elif topic in self.heard:
-            self._take(topic, make(message.type, message.fields))
+            self.take(topic, make(message.type, message.fields))
         elif topic in self._events:
             self._events[topic].put(lambda: message.fields)
 
@@ -216,7 +223,7 @@ class Triggers:
             published = self.publication(port)
             is_new = published is None or published > self._clock.time - period + 1e-9
             if is_new and (message := draft.message()) is not None:
-                self._take(topic, message)
+                self.take(topic, message)
 
         # Drafts are given at the points of the grid alone, so that a restored twin hears the same.
         return Subscription(port, hear, period, self._clock.time, takes_drafts=True, offset=item.offset)
