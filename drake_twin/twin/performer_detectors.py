@@ -3,23 +3,21 @@
 They are looked at after each step, in the thread that advances the twin, so that a run repeats to the last bit.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import RigidBody
-from pydrake.systems.framework import Context
 
 from drake_twin import messages
-from drake_twin.dataclass import dataclass
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages.interface_types import make
 from drake_twin.planning.performers import OwnedDetector
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
 from drake_twin.twin.event_topics import EventTopics
+from drake_twin.twin.model_frame import ModelFrame, model_frame
 from drake_twin.twin.physics import Physics
 
 _POSE, _STAMPED, _HEADER = (
@@ -28,20 +26,6 @@ _POSE, _STAMPED, _HEADER = (
     "diagnostic_msgs/msg/DiagnosticStatus",
 )
 _DEPTH = 10
-
-
-@dataclass(frozen=True)
-class _Place:
-    """Where a model's frame is: fixed to a body, or to the world without one."""
-
-    X: RigidTransform
-    body: RigidBody | None = None
-
-    def pose(self, context: Context) -> RigidTransform:
-        if self.body is None:
-            return self.X
-        pose: RigidTransform = self.body.EvalPoseInWorld(context) @ self.X
-        return pose
 
 
 class PerformerDetectors:
@@ -63,7 +47,7 @@ class PerformerDetectors:
         self.endpoints: tuple[Endpoint, ...] = ()
         self._detectors: tuple[OwnedDetector, ...] = ()
         self._inside: dict[tuple[str, int], list[str]] = {}
-        self._places: dict[str, _Place] = {}
+        self._frames: dict[str, ModelFrame] = {}
         self._halves: dict[str, np.ndarray] = {}
 
     def use(self, built: TwinDiagram) -> None:
@@ -79,7 +63,7 @@ class PerformerDetectors:
             for item in self._detectors
         }
         names = dict.fromkeys([*self._halves, *(item.model for item in self._detectors)])
-        self._places = {name: _place_of(built, name) for name in names} if self.is_watching else {}
+        self._frames = {name: model_frame(built, name) for name in names} if self.is_watching else {}
         topics = dict.fromkeys(item.topic for item in detection.detectors)
         types = dict.fromkeys(topics, _STAMPED) | {f"{topic}/header": _HEADER for topic in topics}
         self.endpoints = tuple(
@@ -89,7 +73,7 @@ class PerformerDetectors:
     def look(self, physics: Physics) -> None:
         """Publish who has entered or left a region in the step that has ended."""
         context = physics.plant_context
-        poses = {name: place.pose(context) for name, place in self._places.items()}
+        poses = {name: frame.pose(context) for name, frame in self._frames.items()}
         for item in self._detectors:
             X_WM, inside = poses[item.model], self._inside[item.model, item.number]
             middle, half = X_WM @ np.array(item.detector.offset), np.array(item.detector.size) / 2
@@ -133,20 +117,3 @@ class PerformerDetectors:
         self._events[f"{item.topic}/header"].put(lambda: {"name": name, "values": values})
         data = [(key, (value,)) for key, value in entries]  # which gz's message has, and ROS's has not
         self._hear(item.topic, SimpleNamespace(**vars(make(_POSE, pose)), name=name, header=SimpleNamespace(data=data)))
-
-
-def _place_of(built: TwinDiagram, name: str) -> _Place:
-    """Return where the frame of a robot, or of a model of the world, is."""
-    plan = next((plan for plan in built.plans if plan.name == name), None)
-    if plan is not None:
-        body = built.plant.GetBodyByName(plan.model.root_body, built.robots[name].instance)
-        return _Place(plan.description.root_pose.transform().inverse(), body)
-    assert built.world_file is not None
-    X_WM = next(model.pose.transform() for model in built.world_file.models if model.name == name)
-    if name not in built.world_models:
-        return _Place(X_WM)
-    bodies: Iterator[RigidBody] = (
-        built.plant.get_body(index) for item in built.world_models[name] for index in built.plant.GetBodyIndices(item)
-    )
-    body = next(bodies)
-    return _Place(body.EvalPoseInWorld(built.plant.CreateDefaultContext()).inverse() @ X_WM, body)

@@ -101,8 +101,8 @@ class Stepper:
                     session.triggers.apply()
                     if session.events.is_waiting:
                         session.events.deliver()
-                        if self.paused or session.alarm.requests:
-                            break
+                    if self.paused or session.alarm.requests:
+                        break
                 if clock.next_time_step is not None and self.change_time_step():
                     target = step_at(end, clock.time_step)
                     continue

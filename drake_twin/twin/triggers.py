@@ -8,11 +8,12 @@ in the thread that advances the twin, so that a run repeats to the last bit.
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from drake_twin.diagram.topics import PublishedTopic
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.errors import CommandError
+from drake_twin.errors import CommandError, TwinError
 from drake_twin.messages.draft import Draft
 from drake_twin.messages.interface_types import make
 from drake_twin.planning.triggers import OwnedTrigger, as_type
@@ -23,6 +24,7 @@ from drake_twin.twin.schedule import step_at
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
 
 if TYPE_CHECKING:
+    from drake_twin.description.gz_requests import GzRequest
     from drake_twin.description.triggers import TriggeredMessage
 
 _log = logging.getLogger(__name__)
@@ -51,6 +53,7 @@ class Triggers:
 
     Attributes:
         publish: Publishes a command.
+        request: Does what a service of gz-sim's world does; its second argument is called with what is wrong.
         publication: Returns the time (s) at which a port's present message was published; None if it is new.
         endpoints: The topics that no controller listens to and a trigger hears.
         heard: Topic → the triggers that hear it.
@@ -60,6 +63,7 @@ class Triggers:
     def __init__(self, clock: Clock, events: EventTopics, subscriptions: Subscriptions):
         self._clock, self._events, self._subscriptions = clock, events, subscriptions
         self.publish: Publish = lambda topic, data: None
+        self.request: Callable[[GzRequest, Callable[[TwinError], None]], None] = lambda request, refuse: None
         self.publication: Callable[[str], Any] = lambda port: None
         self.endpoints: tuple[Endpoint, ...] = ()
         self.pending: list[tuple[float, str, int]] = []
@@ -157,8 +161,12 @@ class Triggers:
             if step_at(time, self._clock.time_step) > self._clock.step:
                 self.pending.append((time, owner, number))
                 continue
-            for message in self._known[owner, number].trigger.messages:
+            trigger = self._known[owner, number].trigger
+            for message in trigger.messages:
                 self._publish(message)
+            for item in trigger.requests:
+                if item.request is not None:
+                    self.request(item.request, partial(self._refuse, item.service))
 
     def keep(self) -> None:
         """Note what is pending, for `take_back`."""
@@ -205,11 +213,14 @@ class Triggers:
         try:
             self.publish(topic, data)
         except CommandError as error:
-            if self._refused.get(topic) != str(error):  # once for each cause
-                _log.warning("%s", error)
-            self._refused[topic] = str(error)
+            self._refuse(topic, error)
         else:
             self._refused.pop(topic, None)
+
+    def _refuse(self, name: str, error: TwinError) -> None:
+        if self._refused.get(name) != str(error):  # once for each cause
+            _log.warning("%s: %s" if name.startswith("/world/") else "%.0s%s", name, error)
+        self._refused[name] = str(error)
 
     def _follow(self, topic: str) -> Callable[[], None]:
         """Hear a topic that the twin publishes."""
