@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import field
-from typing import Any
+from typing import Any, Protocol
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import CannotWorkError, PluginReader, plugin_node_name
@@ -25,9 +25,17 @@ _TOLERANCE = 1e-8
 _LOGIC = ("positive", "negative")
 
 
+class Condition(Protocol):
+    """A condition on a message."""
+
+    def holds(self, message: Any) -> bool:
+        """Tell whether it holds for a ROS message."""
+        ...
+
+
 @dataclass(frozen=True)
 class Match:
-    """A condition on a message.
+    """What a message has, or has not, in some fields.
 
     Attributes:
         leaves: The fields that are compared.
@@ -88,7 +96,7 @@ class Trigger:
     name: str
     topic: str
     type: str
-    matches: tuple[Match, ...] = ()
+    matches: tuple[Condition, ...] = ()
     delay: float = 0.0
     messages: tuple[TriggeredMessage, ...] = ()
     requests: tuple[TriggeredRequest, ...] = ()
