@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 from drake_twin.dataclass import dataclass
+from drake_twin.description.breadcrumbs import Deploy
 from drake_twin.description.protobuf_text import Fields, Word, read_fields
 from drake_twin.errors import did_you_mean
 from drake_twin.values import is_number
@@ -65,7 +66,14 @@ class ControlWorld:
     resets: bool
 
 
-GzRequest: TypeAlias = SetPoses | Create | Remove | ControlWorld
+@dataclass(frozen=True)
+class FixModel:
+    """Fixes a model that was dropped to the world, where it is."""
+
+    model: str
+
+
+GzRequest: TypeAlias = SetPoses | Create | Remove | ControlWorld | Deploy | FixModel
 
 
 def read_request(service: str, kind: str, text: str) -> tuple[str, GzRequest]:

@@ -73,7 +73,7 @@ def plan_triggers(
         told = (
             replace(item, topic=topic) for item in trigger.messages for topic in in_ros(of_model(item.topic, owner))
         )
-        requests = tuple(_checked(item, worlds) for item in trigger.requests)
+        requests = tuple(_owned(_checked(item, worlds), owner, heard[0]) for item in trigger.requests)
         trigger = replace(trigger, topic=heard[0], messages=tuple(told), requests=requests)
         return OwnedTrigger(owner, number, trigger, heard)
 
@@ -88,9 +88,17 @@ def _stem(world_file: "WorldFile") -> Iterator[str]:
 
 def _checked(item: "TriggeredRequest", worlds: set[str]) -> "TriggeredRequest":
     """Return a request, without what it asks for where its world is not that of the twin."""
-    if item.request is None or not worlds or item.world in worlds:
+    if not (item.request and item.world and worlds) or item.world in worlds:
         return item
     return replace(item, request=None, problem=f"{item.service}: the world is not called {item.world!r}")
+
+
+def _owned(item: "TriggeredRequest", owner: str, topic: str) -> "TriggeredRequest":
+    """Return a request with the robot that drops a model, and the topic that asks for it, where it does that."""
+    from drake_twin.description.breadcrumbs import Deploy
+
+    request = item.request
+    return replace(item, request=replace(request, owner=owner, topic=topic)) if isinstance(request, Deploy) else item
 
 
 def about_triggers(

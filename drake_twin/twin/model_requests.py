@@ -5,6 +5,7 @@ A replay repeats what leads to such a request, so they are not recorded; but for
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -12,9 +13,12 @@ from pathlib import Path
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform, RollPitchYaw
 
+from drake_twin.description.breadcrumbs import Deploy, fixed_to_the_world
 from drake_twin.description.gz_requests import ControlWorld, Create, GzRequest, ModelPose, Remove, SetPoses
 from drake_twin.description.lasting_files import lasting_file
+from drake_twin.description.robot_description import Pose
 from drake_twin.description.robot_model import as_expanded
+from drake_twin.description.source_file import read_xml
 from drake_twin.errors import InputError, TwinError
 from drake_twin.scenario import Robot
 from drake_twin.scenario.names import name_in_twin
@@ -53,9 +57,12 @@ class ModelRequests(Group):
             self._stepper.paused = request.pauses
         elif isinstance(request, Create):
             self._session.between_advances(partial(attempt, partial(self._create, entities, request)))
-        else:
-            assert isinstance(request, Remove)
+        elif isinstance(request, Remove):
             self._session.between_advances(partial(attempt, partial(unrecorded, entities.delete, request.model)))
+        elif isinstance(request, Deploy):
+            self._session.between_advances(partial(attempt, partial(self._deploy, entities, request)))
+        else:
+            self._session.between_advances(partial(attempt, partial(self._fix, request.model)))
 
     def _reset(self) -> None:
         self._recorder.note("reset")
@@ -85,10 +92,45 @@ class ModelRequests(Group):
         roll, pitch, yaw = map(float, RollPitchYaw(_transform(request.pose).rotation()).vector())
         unrecorded(entities.spawn, Robot(name, file, xyz=(x, y, z), rpy=(roll, pitch, yaw)))
 
-    def _free_name(self, name: str) -> str:
+    def _deploy(self, entities: Entities, request: Deploy) -> None:
+        """Drop a model, and tell how many are left."""
+        session = self._session
+        count = session.deployments.count(request)
+        if request.most is None or count < request.most:
+            name = f"{request.name}_{count}"
+            if request.may_be_renamed:
+                name = self._free_name(name)
+            elif name in self._taken():
+                raise InputError(f"Entity [{name}] already exists.")
+            X_WM = model_frame(session.built, request.owner).pose(session.physics.plant_context)
+            pose = Pose.of(X_WM @ request.pose.transform())
+            file = str(lasting_file(f"{name}.sdf", as_expanded(request.text)))
+            unrecorded(entities.spawn, Robot(name, file, xyz=pose.xyz, rpy=pose.rpy))
+            session.deployments.note(request, name)
+        session.deployments.tell(request)
+
+    def _fix(self, name: str) -> None:
+        """Fix a model to the world."""
+        session, scenario = self._session, self._session.scenario
+        robot = next((robot for robot in scenario.robots if robot.name == name), None)
+        if robot is None:
+            return
+        pose = Pose.of(model_frame(session.built, name).pose(session.physics.plant_context))
+        try:
+            text = fixed_to_the_world(read_xml(Path(robot.model), "robot file"))
+        except ValueError as error:
+            raise InputError(f"Entity [{name}] cannot be fixed: {error}") from None
+        file = str(lasting_file(f"{name}.sdf", as_expanded(text)))
+        fixed = replace(robot, model=file, xyz=pose.xyz, rpy=pose.rpy)
+        session.rebuild(replace(scenario, robots=tuple(fixed if item is robot else item for item in scenario.robots)))
+
+    def _taken(self) -> set[str]:
         built = self._session.built
         models = () if built.world_file is None else built.world_file.models
-        taken = {*self._session.robots, *(model.name for model in models)}
+        return {*self._session.robots, *(model.name for model in models)}
+
+    def _free_name(self, name: str) -> str:
+        taken = self._taken()
         return name if name not in taken else next(f"{name}_{i}" for i in count(1) if f"{name}_{i}" not in taken)
 
 
