@@ -30,6 +30,7 @@ from drake_twin.description.robot_description import GazeboPlugin, RobotDescript
 from drake_twin.extensions import Registry
 
 if TYPE_CHECKING:
+    from drake_twin.description.performers import PerformerDetector
     from drake_twin.description.triggers import Trigger
 
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
@@ -53,10 +54,13 @@ MULTICOPTER = "gz_sim/Multicopter"
 LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
 TRIGGERED_PUBLISHER = "gz_sim/TriggeredPublisher"
+PERFORMERS = "gz_sim/Performers"
+PERFORMER_DETECTOR = "gz_sim/PerformerDetector"
 KINETIC_ENERGY_MONITOR = "gz_sim/KineticEnergyMonitor"
 LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
+ELEVATOR = "gz_sim/Elevator"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
@@ -106,6 +110,7 @@ class GazeboDrive:
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
         triggers: What the twin publishes when it hears messages, beside the controller or without one.
+        detectors: The regions of its model that notice performers, likewise.
     """
 
     plugin: GazeboPlugin
@@ -127,6 +132,7 @@ class GazeboDrive:
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     triggers: "tuple[Trigger, ...]" = ()
+    detectors: "tuple[PerformerDetector, ...]" = ()
 
 
 class DrivePlugin(PluginReader):

@@ -14,6 +14,8 @@ from drake_twin.values import is_true, parse_number
 
 GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
 _CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
+LEVELS = "gz::sim"  # the name of the plugin, whose library may have any
+_OF_LEVELS = (LEVELS, "ignition::gazebo")
 CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 
 # Kinds of plugins whose work the twin does without them.
@@ -85,6 +87,8 @@ def plugin_kind(plugin: GazeboPlugin) -> str:
         match = pattern.fullmatch(library)
         if match:
             return match[1]
+    if plugin.name in _OF_LEVELS:
+        return LEVELS
     match = CLASS.fullmatch(plugin.name)
     return class_kind(match[1]) if match else library
 
@@ -167,10 +171,11 @@ class PluginReader:
 
     Args:
         plugin: The plugin.
+        model: The model of a world that never moves and has it; empty for others.
     """
 
-    def __init__(self, plugin: GazeboPlugin):
-        self.plugin = plugin
+    def __init__(self, plugin: GazeboPlugin, model: str = ""):
+        self.plugin, self.model = plugin, model
         self._taken: set[str] = set()
 
     @property

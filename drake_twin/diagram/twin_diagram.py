@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import (
-    Diagram,
-    DiagramBuilder,
-    InputPort,
-    OutputPort,
-    System,
-)
+from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort, System
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import urdf_link_name
@@ -34,6 +28,7 @@ from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.world_in_plant import wind_of
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.performers import Detection, plan_detection
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
@@ -69,6 +64,7 @@ class TwinDiagram:
         shapes: The contact of each collision shape.
         detachable_joints: The joints that come and go.
         triggers: What publishes messages when it hears one.
+        detection: What notices performers.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -91,6 +87,7 @@ class TwinDiagram:
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
     triggers: tuple[OwnedTrigger, ...]
+    detection: Detection
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
     renderer: LazyRenderer
@@ -271,6 +268,7 @@ def _build(
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
+    detection = plan_detection(plans, world_file, scenario.world.bridged or {})
     types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()
@@ -294,6 +292,7 @@ def _build(
         shapes=parts.shapes,
         detachable_joints=parts.detachable_joints,
         triggers=triggers,
+        detection=detection,
         extensions=added,
         renderer=renderer,
         findings=(
@@ -305,6 +304,7 @@ def _build(
             *parts.findings,
             *about_forces,
             *about_triggers(triggers, *types),
+            *detection.findings,
         ),
     )
 

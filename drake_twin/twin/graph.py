@@ -19,6 +19,7 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
 from drake_twin.twin.event_topics import EventTopic, EventTopics
 from drake_twin.twin.group import Group
+from drake_twin.twin.model_requests import ModelRequests
 from drake_twin.twin.owner import any_thread
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
@@ -309,6 +310,7 @@ class Graph(Group, path="twin.graph"):
     def feed(self, subscriptions: Subscriptions) -> None:
         """Let subscriptions take their messages from here, and triggers give theirs."""
         self._session.triggers.publish = self.deliver
+        self._session.triggers.request = ModelRequests(self._session, self._stepper, self._recorder).do
         subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
         subscriptions.read, subscriptions.publication, subscriptions.draft = self._read, self._publication, self._draft
         subscriptions.use(self._session.clock.time_step)  # hears the ports of those that there are already
