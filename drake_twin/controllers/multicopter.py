@@ -1,7 +1,7 @@
 """A multicopter's rotors and the control of its velocity, as gz-sim's systems for multicopters have them."""
 
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from math import exp, fsum
 from typing import Any, ClassVar
 
@@ -14,97 +14,20 @@ from drake_twin.control.lee_velocity import ControlledRotor, LeeGains, LeeVeloci
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
 from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.multicopter_parameters import MulticopterParameters
 from drake_twin.controllers.periodic_controller import is_motion
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.rotor_forces import RotorForces
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import ACTUATORS, MULTICOPTER
-from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
 
-_FAST = (1e300, 1e300, 1e300)
-_ALONG = 1e-6  # sine of an angle
-
-
-@dataclass(frozen=True, kw_only=True)
-class MulticopterParameters:
-    """Parameters of ``gz_sim/Multicopter``, named after the elements of gz-sim's two systems; lists go rotor by rotor.
-
-    Attributes:
-        joints: The rotors' joints.
-        links: Their links; thrust is along z.
-        actuator_numbers: The place of each in a message's velocities.
-        turning_directions: 1 for counter-clockwise, -1 for clockwise.
-        motor_constants: The thrust ÷ the square of the speed (N·s²).
-        moment_constants: The moment on the body ÷ the thrust (m).
-        max_rot_velocities: The largest speed (rad/s).
-        time_constants_up: The lag of a speed that rises (s).
-        time_constants_down: The lag of one that falls (s).
-        rotor_drag_coefficients: The drag ÷ the speed and the velocity across the axis (kg).
-        rolling_moment_coefficients: The rolling moment ÷ the same (kg·m).
-        rotor_velocity_slowdowns: The speed ÷ the velocity of the joint.
-        controls_velocity: Whether it follows velocities, and not speeds of rotors.
-        com_link: The link whose velocity is controlled.
-        velocity_gain: The force for an error of the velocity (N·s/m).
-        attitude_gain: The moment for an error of the orientation (N·m).
-        angular_rate_gain: The moment for an error of the angular velocity (N·m·s).
-        maximum_linear_acceleration: For an error of the velocity (m/s²).
-        maximum_linear_velocity: Of a command (m/s).
-        maximum_angular_velocity: Of a command (rad/s).
-        control_joints: The rotors' joints as the controller of the velocity knows them.
-        control_force_constants: As it knows their ``motor_constants``.
-        control_moment_constants: As it knows their ``moment_constants``.
-        control_directions: As it knows their ``turning_directions``.
-    """
-
-    joints: tuple[str, ...]
-    links: tuple[str, ...]
-    actuator_numbers: tuple[int, ...] = field(metadata={"lower": 0})
-    turning_directions: tuple[int, ...] = field(metadata={"choices": (1, -1)})
-    motor_constants: tuple[float, ...]
-    moment_constants: tuple[float, ...]
-    max_rot_velocities: tuple[float, ...]
-    time_constants_up: tuple[float, ...]
-    time_constants_down: tuple[float, ...]
-    rotor_drag_coefficients: tuple[float, ...]
-    rolling_moment_coefficients: tuple[float, ...]
-    rotor_velocity_slowdowns: tuple[float, ...]
-    controls_velocity: bool = False
-    com_link: str = ""
-    velocity_gain: tuple[float, ...] = ()
-    attitude_gain: tuple[float, ...] = ()
-    angular_rate_gain: tuple[float, ...] = ()
-    maximum_linear_acceleration: tuple[float, ...] = _FAST
-    maximum_linear_velocity: tuple[float, ...] = _FAST
-    maximum_angular_velocity: tuple[float, ...] = _FAST
-    control_joints: tuple[str, ...] = ()
-    control_force_constants: tuple[float, ...] = ()
-    control_moment_constants: tuple[float, ...] = ()
-    control_directions: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        lists = [name for name in vars(type(self))["__annotations__"] if name.endswith("s") and name in _OF_ROTORS]
-        for name in lists:
-            if len(getattr(self, name)) != len(self.joints):
-                raise ParameterError(
-                    f"{name} has {len(getattr(self, name))} entries for {len(self.joints)} joints", name
-                )
-        for name in ("time_constants_up", "time_constants_down", "rotor_velocity_slowdowns", "max_rot_velocities"):
-            for value in getattr(self, name):
-                if value <= 0.0:
-                    raise ParameterError(f"{name} has {value:g}, which is not above zero", name)
-
-
-_OF_ROTORS = (
-    *("links", "actuator_numbers", "turning_directions", "motor_constants", "moment_constants"),
-    *("max_rot_velocities", "time_constants_up", "time_constants_down", "rotor_drag_coefficients"),
-    *("rolling_moment_coefficients", "rotor_velocity_slowdowns"),
-)
+_THERE = 1e-6  # of a speed to its target (rad/s)
 
 
 @saved("RotorSpeeds")
@@ -147,8 +70,9 @@ class Multicopter(ForceController, StatefulController):
 
     Behaves as gz-sim's MulticopterMotorModel for all of its rotors, and as its MulticopterVelocityControl where the
     robot has that (from their sources). The speeds follow commands with the lag of each rotor, at any time; the joints
-    turn at the commanded speeds ÷ ``rotor_velocity_slowdowns``. The control of the velocity is updated up to 250 times
-    a second, where Gazebo does it in each step, and without the noise that it can add to what it measures.
+    turn at the speeds ÷ ``rotor_velocity_slowdowns``. These and the control of the velocity are updated up to 250
+    times a second, where Gazebo does it in each step, and the control without the noise that it can add to what it
+    measures.
 
     .. pydrake_system::
 
@@ -244,11 +168,10 @@ class Multicopter(ForceController, StatefulController):
         self.set_sample(context, Sample(True, context.get_time(), self._still, ()))
 
     def declare_updates(self) -> bool:
-        """Declare the updates of the control of the velocity."""
-        if self.setup.parameters.controls_velocity:
-            period, offset = self.setup.update_period, self.setup.update_offset
-            self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, weakly(self._update))
-        return bool(self.setup.parameters.controls_velocity)
+        """Declare the updates of the joints' speeds, and of the control of the velocity."""
+        update = self._control_velocity if self.setup.parameters.controls_velocity else self._speed_up
+        self.DeclarePeriodicUnrestrictedUpdateEvent(self.setup.update_period, self.setup.update_offset, weakly(update))
+        return True
 
     def _now(self, context: Context) -> RotorSpeeds:
         """Return what the rotors approach."""
@@ -264,16 +187,23 @@ class Multicopter(ForceController, StatefulController):
             before.starts, before.targets, parameters.time_constants_up, parameters.time_constants_down, strict=True
         ):
             lag = up if target > start else down
-            starts.append(target + (start - target) * exp((before.time - time) / lag))
+            gap = (start - target) * exp((before.time - time) / lag)
+            starts.append(target + gap if abs(gap) > _THERE else target)
         return RotorSpeeds(time, tuple(starts), tuple(targets))
 
-    def _update(self, context: Context, state: State) -> EventStatus:
+    def _speed_up(self, context: Context, state: State) -> EventStatus:
+        sample, now = self.sample(context), self._now(context)
+        if not sample.active or self._joint_speeds(now, sample.time) == now.targets:
+            return EventStatus.DidNothing()
+        return self._updated(state, sample, replace(sample, time=context.get_time()), now, now)
+
+    def _control_velocity(self, context: Context, state: State) -> EventStatus:
         sample, time = self.sample(context), context.get_time()
         command, switch = self.received(self._cmd_vel, context), self.received(self._enable, context)
         if not sample.active or self._control is None or command is None:
             return EventStatus.DidNothing()
         if switch is not None and (not switch.enable or command.time < switch.time):
-            if not any(sample.memory.targets):
+            if not any((*sample.memory.starts, *sample.memory.targets)):
                 return EventStatus.DidNothing()
             targets = [0.0] * len(sample.memory.targets)
         else:
@@ -285,14 +215,31 @@ class Multicopter(ForceController, StatefulController):
             limits = zip(self.setup.parameters.actuator_numbers, self.setup.parameters.max_rot_velocities, strict=True)
             targets = [min(by_number[number], most) for number, most in limits]
         memory = self._approached(sample.memory, time, targets)
-        state.get_mutable_abstract_state(int(self._sample_index)).set_value(replace(sample, time=time, memory=memory))
-        before = sample.memory.targets
-        if self.setup.tells_of_motion and list(map(is_motion, before)) != list(map(is_motion, targets)):
-            return EventStatus.ReachedTermination(self, self.setup.name)  # the joint is driven, or braked, from now on
+        return self._updated(state, sample, replace(sample, time=time, memory=memory), sample.memory, memory)
+
+    def _updated(
+        self, state: State, sample: Sample, updated: Sample, before: RotorSpeeds, after: RotorSpeeds
+    ) -> EventStatus:
+        """Set the state; end the advance where a joint is driven, or braked, from now on."""
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(updated)
+        moved = [is_motion(speed) for speed in self._joint_speeds(before, sample.time)]
+        if self.setup.tells_of_motion and moved != list(map(is_motion, self._joint_speeds(after, updated.time))):
+            return EventStatus.ReachedTermination(self, self.setup.name)
         return EventStatus.Succeeded()
 
+    def _joint_speeds(self, now: RotorSpeeds, updated: float) -> tuple[float, ...]:
+        """Return the speeds at which the joints turn: those that the rotors have at the next update.
+
+        A joint that jumped to its target would turn a light body at once, and what controls it would answer that.
+
+        Args:
+            now: What the rotors approach.
+            updated: The time of the last update (s).
+        """
+        return self._approached(now, max(now.time, updated) + self.setup.update_period, now.targets).starts
+
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._turns * self._now(context).targets)
+        output.SetFromVector(self._turns * self._joint_speeds(self._now(context), self.sample(context).time))
 
     def _calc_signals(self, context: Context, output: BasicVector) -> None:
         now = self._now(context) if self.sample(context).active else self._still

@@ -1,13 +1,13 @@
-"""What the rotors of multicopters exert on the bodies that carry them."""
+"""The forces of a multicopter's rotors, as gz-sim's MulticopterMotorModel has them."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from pydrake.math import VectorToSkewSymmetric
 from pydrake.multibody.tree import RigidBody
 
 from drake_twin.controllers.body_forces import BodyForces, ForceController, Motion, RobotBody
+from drake_twin.controllers.multicopter_parameters import MulticopterParameters
 
 
 class RotorForces(BodyForces):
@@ -58,7 +58,7 @@ class RotorForces(BodyForces):
 
 
 def _thrust_and_drag(
-    body: RobotBody, parameters: Any, number: int, carrier: RigidBody
+    body: RobotBody, parameters: MulticopterParameters, number: int, carrier: RigidBody
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return a rotor's wrench on its carrier ÷ ω², and that of its drag ÷ ω and the carrier's velocity (6×6)."""
     rotor = body.link(parameters.links[number])

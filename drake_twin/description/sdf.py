@@ -12,6 +12,8 @@ from drake_twin.description.sdf_addresses import SdfAddresses
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.sdf_nested import flatten_models
 from drake_twin.description.sdf_shapes import lay_slabs
+from drake_twin.description.sdf_unknown_frames import forget_unknown_frames
+from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.values import is_true
@@ -44,7 +46,10 @@ def read_robot_sdf(text: str, file: Path) -> tuple[XmlReader, list[Finding]]:
     if reader.root.tag != "sdf" or len(models) != 1:
         what = "a world" if reader.root.find("world") is not None else f"{len(models)} models"
         raise reader.error(reader.root, f"a robot is an SDF file with one <model>, but this holds {what}")
-    return reader, list(flatten_models(models[0], reader))
+    findings = list(flatten_models(models[0], reader))
+    for pose, what in forget_unknown_frames(models[0]):
+        findings.append(Finding.at(Kind.WARNING, what, reader.place(pose), weight=weight_of(pose)))
+    return reader, findings
 
 
 def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageIndex) -> PreparedSdf:

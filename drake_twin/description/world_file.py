@@ -23,6 +23,7 @@ from drake_twin.description.saved_state import SavedState
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
+from drake_twin.description.sdf_unknown_frames import forget_unknown_frames
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unread import unread_in_world, unread_in_world_model
@@ -318,8 +319,9 @@ class _World:
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
+        frames = [Finding(Kind.WARNING, what, weight=weight_of(pose)) for pose, what in forget_unknown_frames(model)]
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
-        before = (*unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
+        before = (*frames, *unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
         for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[replace(finding, file="", lines=())][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))

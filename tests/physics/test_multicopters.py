@@ -156,6 +156,16 @@ def test_a_turn_is_followed_but_for_what_the_drag_of_the_rotors_takes(tmp_path, 
     assert turn_rate(twin) == pytest.approx(0.3 * 0.18 / (0.18 + drag), rel=0.01)
 
 
+def test_rotors_that_turn_the_body_as_they_speed_up_do_so_with_their_lag(tmp_path, step):
+    """Were a joint at once at its target, the body would answer by more than what the control wants to correct."""
+    twin = flying(tmp_path, step, controlled=True, spin_inertia=1.5e-4, rotorVelocitySlowdownSim=1)
+    twin.publish("/uav/command/twist", twist(yaw_rate=0.3))
+    twin.advance_to(10.0)
+    drag = DRAG * HOVER * sum(x * x + y * y for _, x, y in ROTORS)
+    rates = [turn_rate(twin) for _ in range(5)]
+    assert rates == pytest.approx([0.3 * 0.18 / (0.18 + drag)] * 5, rel=0.01)
+
+
 def test_nothing_flies_before_a_command_and_after_it_is_switched_off(tmp_path):
     twin = flying(tmp_path, 0.01, controlled=True)
     twin.advance_to(0.5)
