@@ -77,10 +77,13 @@ class Servo:
         proportional: The effort for an error of the command: N·m/rad or N/m, of a velocity N·m·s/rad or N·s/m. None for
             a servo that is there in the next step.
         derivative: The effort against a velocity, of a position's servo (N·m·s/rad or N·s/m).
+        time_constant: Of a velocity's servo without the others, with which it approaches that against inertia alone
+            (s); 0 for one that is there in the next step.
     """
 
     proportional: float | None = None
     derivative: float = 0.0
+    time_constant: float = 0.0
 
 
 @dataclass(frozen=True)
