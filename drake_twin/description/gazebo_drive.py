@@ -56,6 +56,7 @@ KINETIC_ENERGY_MONITOR = "gz_sim/KineticEnergyMonitor"
 LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
+BUOYANCY_ENGINE = "gz_sim/BuoyancyEngine"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),

@@ -4,6 +4,7 @@ from typing import Any
 
 from drake_twin.description.added_mass import fluid_added_mass
 from drake_twin.description.gazebo_drive import (
+    BUOYANCY_ENGINE,
     EACH_STEP,
     HYDRODYNAMICS,
     LIGHTER_THAN_AIR,
@@ -119,6 +120,45 @@ def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
         interfaces=((joint, "velocity"),),
         servos={} if is_direct else {(joint, "velocity"): Servo(gain)},
         warnings=tuple(warnings),
+    )
+
+
+# Element → gz-sim's default.
+_OF_BLADDER = {
+    "min_volume": 3e-5,
+    "max_volume": 9.9e-4,
+    "neutral_volume": 3e-4,
+    "max_inflation_rate": 3e-6,
+    "fluid_density": 1000.0,
+}
+_FIRST_VOLUME = 3e-5  # m³, which gz-sim approaches from the smallest one where the file has no other
+
+
+@gazebo_plugin("gz-sim-buoyancy-engine-system")
+def buoyancy_engine_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-buoyancy-engine-system``: a bladder to rise and dive with."""
+    link = plugin.text("link_name", "")
+    if link not in plugin.description.links:
+        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    parameters: dict[str, Any] = {tag: plugin.number(tag, default) for tag, default in _OF_BLADDER.items()}
+    for tag in ("max_inflation_rate", "fluid_density"):
+        if parameters[tag] < 0.0:
+            raise plugin.error(f"<{tag}> is {parameters[tag]:g}, and has to be zero or more")
+    if parameters["max_volume"] < parameters["min_volume"]:
+        raise plugin.error("<max_volume> is less than <min_volume>")
+    has_own = plugin.has("default_volume")
+    first = plugin.number("default_volume", parameters["min_volume"])
+    parameters |= {"link_name": link, "default_volume": first, "first_target": first if has_own else _FIRST_VOLUME}
+    if plugin.has("surface"):
+        parameters["surface"] = plugin.number("surface", 0.0)
+    space = plugin.text("namespace", "").strip("/")
+    gz = f"/model/{space}/buoyancy_engine" if space else "/buoyancy_engine"
+    ros = "buoyancy_engine" if space else "/buoyancy_engine"
+    return plugin.drive(
+        BUOYANCY_ENGINE,
+        parameters,
+        topics={"buoyancy_engine": ros, "current_volume": f"{ros}/current_volume"},
+        gz_topics={"buoyancy_engine": gz, "current_volume": f"{gz}/current_volume"},
     )
 
 
