@@ -1,5 +1,6 @@
 """The systems of gz-sim for vehicles in water and airships, as controllers that exert forces."""
 
+from collections.abc import Collection
 from typing import Any
 
 from drake_twin.description.added_mass import fluid_added_mass
@@ -26,7 +27,8 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
     link = plugin.text("link_name", "")
     if link not in plugin.description.links:
         raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
-    coefficients = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
+    written = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
+    coefficients = {_renamed(tag, written, plugin.plugin.filename): value for tag, value in written.items()}
     parameters: dict[str, object] = {
         "link_name": link,
         "coefficients": coefficients,
@@ -42,8 +44,31 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         parameters,
         topics={"ocean_current": "ocean_current" if space else "/ocean_current"},
         gz_topics={"ocean_current": topic},
-        warnings=tuple(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
+        warnings=(
+            *(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
+            *(_one_way(tag, value) for tag, value in coefficients.items() if value and _is_square(tag)),
+        ),
     )
+
+
+def _renamed(tag: str, written: Collection[str], library: str) -> str:
+    """Return the name that a coefficient has today: Gazebo Fortress, Ignition as yet, had xUU for xUabsU.
+
+    A file with ignition's name of the library is written for Fortress, unless it has names that came after it.
+    """
+    is_of_fortress = "ignition-gazebo" in library and not any("abs" in other for other in written)
+    return f"{tag[:-1]}abs{tag[-1]}" if is_of_fortress and _is_square(tag) else tag
+
+
+def _is_square(tag: str) -> bool:
+    """Tell whether a coefficient is of the square of a velocity, whose force has one sign for both directions."""
+    axes = coefficient_name(tag)
+    return axes is not None and not axes.is_absolute and axes.other == axes.velocity
+
+
+def _one_way(tag: str, value: float) -> str:
+    size = f"<{tag[:-1]}abs{tag[-1]}>"
+    return f"<{tag}> is {value:g}, a force of one sign for both directions, as in gz-sim: {size} has two"
 
 
 def _brakes(tag: str) -> bool:
