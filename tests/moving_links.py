@@ -29,12 +29,14 @@ def wrenches_of(
     kind, plant, controllers, linear, angular=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0), wind=(0.0, 0.0, 0.0), active=1.0
 ):
     """Of each controller on the palm, in its axes: moment, force; the velocities are in the world's."""
-    body = RobotBody(plant, plant.GetBodyByName("palm").model_instance(), tuple(wind))
+    body = RobotBody(plant, plant.GetBodyByName("palm").model_instance())
     forces, count = kind([(item, body) for item in controllers]), len(controllers)
     R = rotation(rpy)
     poses = np.array([np.column_stack([R, np.zeros(3)])])
     V_B = np.concatenate([R.T @ angular, R.T @ linear])
-    motion = Motion(0.0, _state(plant), poses, V_B[None, :], np.zeros(count, dtype=int))
+    motion = Motion(
+        0.0, _state(plant), poses, V_B[None, :], np.zeros(count, dtype=int), wind=np.array(wind) if any(wind) else None
+    )
     return forces.wrenches(motion, np.full(count, active))
 
 

@@ -75,7 +75,7 @@ class HydrodynamicForces(BodyForces):
         self._damping = Damping(coefficients)
         self._added = added * np.array([not item.disable_added_mass for item in parameters])[:, None, None]
         self._whirled = added * np.array([not item.disable_coriolis for item in parameters])[:, None, None]
-        self._response = FluidResponse(sources, self._added)
+        self._response = FluidResponse.of(sources, self._added)
         self.bodies = self._response.bodies
 
     def follow(self, plant_context: Context) -> None:
@@ -92,7 +92,7 @@ class HydrodynamicForces(BodyForces):
         water -= coriolis(self._whirled, velocity)
         if signals.any():  # a current that is constant in the world turns in the link's axes
             water -= (self._added[:, :, 3:] @ cross(motion.V_B[:count, :3], current)[:, :, None])[..., 0]
-        return self._response.wrenches(motion, water, slope)
+        return self._response.wrenches(motion, water, self._response.losses(slope))
 
 
 @controller(HYDRODYNAMICS)

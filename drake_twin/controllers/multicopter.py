@@ -174,8 +174,6 @@ class RotorForces(BodyForces):
                 downs.append(parameters.time_constants_down[number])
         self._thrusts, self._drags = np.array(thrusts), np.array(drags)
         self._ups, self._downs = -1.0 / np.array(ups), -1.0 / np.array(downs)
-        self._wind = np.array([body.wind for source, body in sources for _ in source.setup.parameters.joints])
-        self._is_windy = bool(self._wind.any())
 
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
         """Return the wrench of each rotor on its carrier."""
@@ -183,9 +181,9 @@ class RotorForces(BodyForces):
         rates = np.where(target > start, self._ups, self._downs)
         speeds = target + (start - target) * np.exp(rates * (motion.time - since))
         velocity = motion.V_B
-        if self._is_windy:
+        if motion.wind is not None:
             velocity = velocity.copy()
-            velocity[:, 3:] -= np.einsum("nji,nj->ni", motion.R_WB, self._wind)
+            velocity[:, 3:] -= motion.wind @ motion.R_WB
         drag = (self._drags @ velocity[:, :, None])[:, :, 0]
         size = np.abs(speeds)
         wrenches: np.ndarray = size[:, None] * (speeds[:, None] * self._thrusts + drag)

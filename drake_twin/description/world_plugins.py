@@ -37,6 +37,7 @@ class WorldPlugin:
 
 ConvertWorldPlugin: TypeAlias = Callable[[PluginReader], WorldPlugin]
 
+WIND_EFFECTS = "gz_sim/WindEffects"
 _TRIGGERED = "triggered-publisher-system"
 
 # By the kind of plugin, as `plugin_kind` names it.

@@ -17,7 +17,7 @@ from drake_twin.values import is_number
 from drake_twin.versions import SAVED_STATE
 
 # Entries that are left out where they are empty.
-_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters", "steady_wrenches", "triggered"}
+_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters", "steady_wrenches", "triggered", "wind"}
 
 
 @saved("Snapshot")
@@ -46,6 +46,7 @@ class Snapshot:
         steady_wrenches: The wrenches without an end, also on entities that do not exist.
         triggered: What publishes messages later, as it has heard one: the time (s), its robot or an empty text for the
             world, and its number there.
+        wind: What the world's wind was last told, where it changes.
 
     Raises:
         InputError: If an entry is invalid.
@@ -70,6 +71,7 @@ class Snapshot:
     later_parameters: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     steady_wrenches: list[Any] = field(default_factory=list)
     triggered: list[tuple[float, str, int]] = field(default_factory=list)
+    wind: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():
