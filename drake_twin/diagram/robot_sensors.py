@@ -154,6 +154,7 @@ def _add(
             owner=plan.name,
             anchors=anchors,
             models=() if world is None else world.models,
+            wind=surroundings.wind if isinstance(surroundings.wind, tuple) else None,
         )
         system = item.kind(setup)
         systems[_key(item)] = system
