@@ -82,7 +82,7 @@ class HydrodynamicForces(BodyForces):
         self._whirled = added * np.array([not item.disable_coriolis for item in parameters])[:, None, None]
         more = np.array([item.fluid_added_mass or np.zeros(36) for item in parameters]).reshape(-1, 6, 6)
         self._added, self._whirled = self._added + more, self._whirled + more
-        self._response = FluidResponse(sources, self._added)
+        self._response = FluidResponse.of(sources, self._added)
         self.bodies = self._response.bodies
 
     def follow(self, plant_context: Context) -> None:
@@ -99,7 +99,7 @@ class HydrodynamicForces(BodyForces):
         water -= coriolis(self._whirled, velocity)
         if signals.any():  # a current that is constant in the world turns in the link's axes
             water -= (self._added[:, :, 3:] @ cross(motion.V_B[:count, :3], current)[:, :, None])[..., 0]
-        return self._response.wrenches(motion, water, slope)
+        return self._response.wrenches(motion, water, self._response.losses(slope))
 
 
 @controller(HYDRODYNAMICS)

@@ -23,7 +23,8 @@ DONE_HERE = frozenset(
     (
         *("physics-system", "user-commands-system", "scene-broadcaster-system", "sensors-system", "imu-system"),
         *("forcetorque-system", "force-torque-system", "contact-system", "navsat-system", "nav-sat-system"),
-        *("magnetometer-system", "altimeter-system", "air-pressure-system", "logical-camera-system"),
+        *("magnetometer-system", "altimeter-system", "air-pressure-system", "air-speed-system"),
+        "logical-camera-system",
         *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_clock", "gazebo_ros_state"),
     )
 )

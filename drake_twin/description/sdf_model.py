@@ -37,7 +37,7 @@ KEPT = {
 # They do not affect the motion, and are not worth a finding.
 _SILENT = {"allow_auto_disable", "must_be_base_link", "max_contacts", "laser_retro", "cast_shadows", "meta", "physics"}
 _SILENT |= {"visibility_flags", "plugin_data", "density", "auto_inertia_params", "audio_sink", "lighting"}
-_SILENT |= {"description", "origin", "pose_publish"}
+_SILENT |= {"description", "origin", "pose_publish", "enable_wind"}
 
 _LIMITLESS = ("ball", "universal", "screw")
 _JOINTS = ("fixed", "revolute", "continuous", "prismatic", "planar", *_LIMITLESS)

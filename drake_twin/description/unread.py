@@ -35,7 +35,7 @@ _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its na
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
-    "wind": "the world's wind blows on rotors, wings and aircraft alone",
+    "wind": "the wind is that of the world, where gz-sim's WindEffects can let it change",
     "battery": "the twin has no batteries",
 }
 

@@ -86,7 +86,8 @@ URDF = _part(
     gazebo=_part(
         "reference",
         "material",
-        "mu1 mu2 selfCollide self_collide static gravity turnGravityOff preserveFixedJoint disableFixedJointLumping",
+        "mu1 mu2 selfCollide self_collide enable_wind static gravity turnGravityOff"
+        " preserveFixedJoint disableFixedJointLumping",
         collision=_part(surface=_SURFACE),
         visual=_part(material=_part(texts="diffuse ambient")),
     ),
@@ -112,12 +113,12 @@ _AXIS = _part(
 )
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
-    "static self_collide",
+    "static self_collide enable_wind",
     pose=_POSE,
     frame=_part("name attached_to", pose=_POSE),
     link=_part(
         "name",
-        "gravity self_collide",
+        "gravity self_collide enable_wind",
         pose=_POSE,
         inertial=_part(
             texts="mass",

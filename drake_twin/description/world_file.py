@@ -16,6 +16,7 @@ from lxml import etree
 from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
 from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
+from drake_twin.description.link_wind import windy_links_of_sdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -30,7 +31,13 @@ from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
-from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins, take_triggers
+from drake_twin.description.world_plugins import (
+    WIND_EFFECTS,
+    WorldPlugin,
+    is_world_plugin,
+    read_world_plugins,
+    take_triggers,
+)
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
@@ -75,6 +82,7 @@ class WorldModel:
         place: Where the world asks for it.
         robot: Its own SDF, if one of its plugins drives it: it is a robot that stands in the world's file.
         sensing: It and the models inside it that have sensors; one inside another is called ``OUTER::INNER``.
+        windy_links: The links with ``<enable_wind>``; one of a model inside it is called ``INNER::LINK``.
     """
 
     name: str
@@ -85,6 +93,7 @@ class WorldModel:
     place: Place = field(default=Place(""))
     robot: RobotText | None = None
     sensing: tuple[RobotDescription, ...] = ()
+    windy_links: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -117,6 +126,11 @@ class WorldFile:
     def forces(self) -> tuple[WorldPlugin, ...]:
         """Those of its plugins that exert forces."""
         return tuple(plugin for plugin in self.plugins if plugin.exerts_forces)
+
+    @property
+    def wind_effects(self) -> Any:
+        """The `WindEffectsParameters` of the first plugin that lets its wind change; None without one."""
+        return next((plugin.parameters for plugin in self.plugins if plugin.type == WIND_EFFECTS), None)
 
 
 def read_world(
@@ -320,6 +334,7 @@ class _World:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
         frames = [Finding(Kind.WARNING, what, weight=weight_of(pose)) for pose, what in forget_unknown_frames(model)]
+        windy = () if static else tuple(windy_links_of_sdf(model))
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
         before = (*frames, *unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
         for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
@@ -327,7 +342,7 @@ class _World:
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described())
+        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described(), windy)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
         """Yield each model of the world, includes replaced.

@@ -39,6 +39,7 @@ class WorldPlugin:
 
 ConvertWorldPlugin: TypeAlias = Callable[[PluginReader], WorldPlugin]
 
+WIND_EFFECTS = "gz_sim/WindEffects"
 _OF_STATIC = ("triggered-publisher-system", "performer-detector-system")
 
 # By the kind of plugin, as `plugin_kind` names it.

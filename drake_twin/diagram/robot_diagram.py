@@ -93,7 +93,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
     for controller in controllers.values():
         if isinstance(controller, ForceController):
-            controller.attach(RobotBody(plant, instance, surroundings.wind))
+            controller.attach(RobotBody(plant, instance))
     joints = _joints_of_actuators(layout)
     servo = _add_servo(builder, plan, joints, controllers, in_plant, plant) if joints else None
     always_published = {}

@@ -25,7 +25,7 @@ from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
-from drake_twin.diagram.world_in_plant import wind_of
+from drake_twin.diagram.wind import add_wind
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.performers import Detection, plan_detection
@@ -42,7 +42,6 @@ from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
 
 if TYPE_CHECKING:
-    from drake_twin.controllers.world_forces import WorldForces
     from drake_twin.description.world_file import WorldFile
 
 
@@ -231,7 +230,7 @@ def _build(
         scenario.sensor_noise,
         world_file,
         renderer,
-        wind_of(scenario.world, world_file),
+        add_wind(builder, scenario, world_file, topics),
     )
     robots = {
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)
@@ -256,13 +255,7 @@ def _build(
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
-    forces = [item for robot in robots.values() for item in robot.forces()]
-    of_world: list[WorldForces] = []
-    if world_file is not None and world_file.forces:
-        from drake_twin.diagram.world_forces import forces_of_world
-
-        of_world = forces_of_world(parts, world_file)
-    about_forces = tuple(apply_forces(builder, parts.plant, forces, of_world))
+    about_forces = tuple(apply_forces(builder, parts, plans, robots, world_file, surroundings.wind))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
