@@ -60,6 +60,7 @@ LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
 ELEVATOR = "gz_sim/Elevator"
+TRAJECTORY_FOLLOWER = "gz_sim/TrajectoryFollower"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
