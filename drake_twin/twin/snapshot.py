@@ -27,6 +27,7 @@ _OPTIONAL = {
     "detected",
     "deployed",
     "to_be_fixed",
+    "touching",
 }
 
 
@@ -59,6 +60,7 @@ class Snapshot:
         detected: The performers that are inside a region: its model, its number there, and their models.
         deployed: The number of models that a robot has dropped: the robot, the plugin that drops them, and how many.
         to_be_fixed: The time (s) at which a model that was dropped is to be fixed to the world, and its name.
+        touching: What looks for touches: its model, its number there, and since when it touches (s); None if not.
 
     Raises:
         InputError: If an entry is invalid.
@@ -86,6 +88,7 @@ class Snapshot:
     detected: list[tuple[str, int, list[str]]] = field(default_factory=list)
     deployed: list[tuple[str, str, int]] = field(default_factory=list)
     to_be_fixed: list[tuple[float, str]] = field(default_factory=list)
+    touching: list[tuple[str, int, float | None]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():
