@@ -31,6 +31,7 @@ from drake_twin.extensions import Registry
 
 if TYPE_CHECKING:
     from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
@@ -61,7 +62,10 @@ LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
 ELEVATOR = "gz_sim/Elevator"
+TOUCH_PLUGIN = "gz_sim/TouchPlugin"
 BUOYANCY_ENGINE = "gz_sim/BuoyancyEngine"
+SPACECRAFT_THRUSTERS = "gz_sim/SpacecraftThrusters"
+TRAJECTORY_FOLLOWER = "gz_sim/TrajectoryFollower"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
@@ -115,6 +119,7 @@ class GazeboDrive:
         unread: Its elements that are ignored.
         triggers: What the twin publishes when it hears messages, beside the controller or without one.
         detectors: The regions of its model that notice performers, likewise.
+        touches: What tells that its model has touched another one, likewise.
     """
 
     plugin: GazeboPlugin
@@ -137,6 +142,7 @@ class GazeboDrive:
     unread: tuple[str, ...] = ()
     triggers: "tuple[Trigger, ...]" = ()
     detectors: "tuple[PerformerDetector, ...]" = ()
+    touches: "tuple[TouchDetector, ...]" = ()
 
 
 class DrivePlugin(PluginReader):

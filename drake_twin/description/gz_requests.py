@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from drake_twin.dataclass import dataclass
 from drake_twin.description.breadcrumbs import Deploy
 from drake_twin.description.protobuf_text import Fields, Word, read_fields
+from drake_twin.description.touches import EnableTouch
 from drake_twin.errors import did_you_mean
 from drake_twin.values import is_number
 
@@ -73,7 +74,7 @@ class FixModel:
     model: str
 
 
-GzRequest: TypeAlias = SetPoses | Create | Remove | ControlWorld | Deploy | FixModel
+GzRequest: TypeAlias = SetPoses | Create | Remove | ControlWorld | Deploy | FixModel | EnableTouch
 
 
 def read_request(service: str, kind: str, text: str) -> tuple[str, GzRequest]:

@@ -1,6 +1,6 @@
 """What publishes and calls services when it hears a message, as gz-sim's TriggeredPublisher does, as plain data."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field
 from typing import Any, Protocol
 
@@ -17,6 +17,7 @@ from drake_twin.description.gz_messages import (
 )
 from drake_twin.description.gz_requests import GzRequest, UnknownRequestError, read_request
 from drake_twin.description.plugin_element import PluginElement
+from drake_twin.description.touches import EnableTouch, TouchDetector
 from drake_twin.findings import Place
 from drake_twin.values import parse_number
 
@@ -144,6 +145,20 @@ def read_trigger(plugin: PluginReader) -> Trigger:
         requests=requests,
         place=plugin.plugin.place,
     )
+
+
+def enabling_triggers(detector: TouchDetector, topic: str) -> Iterator[Trigger]:
+    """Yield what lets a detector of touches look, or no longer look, as a message says; gz-sim has a service for it.
+
+    Args:
+        detector: The detector.
+        topic: Its namespace of topics in gz's transport.
+    """
+    for is_enabled in (True, False):
+        request = TriggeredRequest(f"{topic}/enable", request=EnableTouch(topic, is_enabled))
+        is_meant = Match((Leaf(("data",), is_enabled),))
+        kind = GZ_TYPES["Boolean"].ros
+        yield Trigger(detector.name, f"{topic}/enable", kind, (is_meant,), requests=(request,), place=detector.place)
 
 
 def _attribute(element: PluginElement, name: str) -> str:

@@ -63,7 +63,7 @@ class TwinDiagram:
         shapes: The contact of each collision shape.
         detachable_joints: The joints that come and go.
         triggers: What publishes messages when it hears one.
-        detection: What notices performers.
+        detection: What notices performers and touches.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -261,7 +261,7 @@ def _build(
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
-    detection = plan_detection(plans, world_file, scenario.world.bridged or {})
+    detection = plan_detection(plans, models, world_file, scenario.world.bridged or {})
     types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()

@@ -16,6 +16,7 @@ from drake_twin.scenario import Robot, ScenarioError
 
 if TYPE_CHECKING:
     from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
 
@@ -34,6 +35,7 @@ class RobotPlan:
         findings: The findings of its files: entries that were not used as they are.
         triggers: What publishes messages when it hears one, with topics of gz.
         detectors: What notices performers, likewise.
+        touches: What tells of touches, likewise.
     """
 
     robot: Robot
@@ -46,6 +48,7 @@ class RobotPlan:
     findings: Findings
     triggers: "tuple[Trigger, ...]" = ()
     detectors: "tuple[PerformerDetector, ...]" = ()
+    touches: "tuple[TouchDetector, ...]" = ()
 
     @property
     def hardware_states(self) -> dict[str, str]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.dataclass import dataclass
-from drake_twin.description.gazebo_drive import TRIGGERED_PUBLISHER, of_model
+from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, TRIGGERED_PUBLISHER, of_model
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import is_same_topic
@@ -13,6 +13,7 @@ from drake_twin.planning.topics import controller_topic
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
+    from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger, TriggeredMessage, TriggeredRequest
     from drake_twin.description.world_file import WorldFile
 
@@ -56,8 +57,12 @@ def plan_triggers(
     plans, models = tuple(plans), tuple(models)
     plugins = () if world_file is None else world_file.plugins
     of_world = [plugin.parameters for plugin in plugins if plugin.type == TRIGGERED_PUBLISHER]
+    touches = [(plugin.parameters, plugin.model) for plugin in plugins if plugin.type == TOUCH_PLUGIN]
+    of_world += _enabling(touches)
     owned = [("", number, trigger) for number, trigger in enumerate(of_world)]
-    owned += [(plan.name, number, trigger) for plan in plans for number, trigger in enumerate(plan.triggers)]
+    for plan in plans:
+        of_plan = [*plan.triggers, *_enabling((item, plan.name) for item in plan.touches)]
+        owned += [(plan.name, number, trigger) for number, trigger in enumerate(of_plan)]
     if not owned:
         return ()
     worlds = set() if world_file is None else {world_file.name, *_stem(world_file)}
@@ -78,6 +83,14 @@ def plan_triggers(
         return OwnedTrigger(owner, number, trigger, heard)
 
     return tuple(planned(*item) for item in owned)
+
+
+def _enabling(touches: "Iterable[tuple[TouchDetector, str]]") -> "Iterator[Trigger]":
+    """Yield what enables detectors of touches, of a model each."""
+    for detector, model in touches:
+        from drake_twin.description.triggers import enabling_triggers
+
+        yield from enabling_triggers(detector, of_model(detector.topic, model))
 
 
 def _stem(world_file: "WorldFile") -> Iterator[str]:

@@ -19,6 +19,7 @@ from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.robot_description import Pose
 from drake_twin.description.robot_model import as_expanded
 from drake_twin.description.source_file import read_xml
+from drake_twin.description.touches import EnableTouch
 from drake_twin.errors import InputError, TwinError
 from drake_twin.scenario import Robot
 from drake_twin.scenario.names import name_in_twin
@@ -51,6 +52,8 @@ class ModelRequests(Group):
         if isinstance(request, SetPoses):
             for pose in request.poses:
                 attempt(partial(self._set_pose, entities, pose))
+        elif isinstance(request, EnableTouch):
+            self._session.reactions.touches.enable(request)
         elif isinstance(request, ControlWorld):
             if request.resets:
                 self._session.between_advances(self._reset)

@@ -151,7 +151,7 @@ class Stepper:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
                 control.check_joints()
         # CENIC's steps follow from where it is stopped: always at the same places, whatever is subscribed.
-        is_next = target == clock.step + 1 or session.scenario.engine == CENIC or session.detectors.is_watching
+        is_next = target == clock.step + 1 or session.scenario.engine == CENIC or session.reactions.are_watching
         next_step = clock.step + 1 if is_next else self._next_stop(target)
         try:
             noticed = self._advance_simulator(next_step)
@@ -168,8 +168,8 @@ class Stepper:
                 control.follow_commands()
         if session.goals.items:
             session.goals.deliver()
-        if session.detectors.is_watching:
-            session.detectors.look(physics)
+        if session.reactions.are_watching:
+            session.reactions.look(physics)
 
     def _publish_scheduled(self, scheduled: ScheduledCommand) -> None:
         try:
