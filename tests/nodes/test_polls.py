@@ -42,6 +42,8 @@ LOOPS = {
     "an event": "while not node.event.is_set():\n    print(end='')",
     "a lock": "while True:\n    with node.lock:\n        if node.data is not None:\n            break",
     "a loop in a loop": "while True:\n    if flag:\n        while not flag: pass\n        break",
+    "a value": "missing = True\nwhile missing:\n    data = node.data\n    missing, other = data is None, flag",
+    "a for": "while True:\n    for number in (1, 2):\n        if flag: number = 9\n    if flag: break",
     "a function": "def wait():\n    while True:\n        if flag:\n            return\nwait()",
     "a try": "try:\n    while True:\n        if flag: raise KeyError\nexcept KeyError:\n    pass",
 }
