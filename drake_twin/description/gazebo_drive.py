@@ -57,6 +57,7 @@ LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
+TRACKS = "gz_sim/Tracks"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

@@ -15,7 +15,7 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
+from drake_twin.description.gazebo_plugins import DONE_HERE, is_belt, is_ros2_control, plugin_kind
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -152,15 +152,17 @@ def read_world(
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
 
 
-def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins drives it."""
+def _robot_text(
+    model: etree._Element, version: tuple[int, ...], reader: XmlReader, *, has_drives: bool
+) -> RobotText | None:
+    """Return a model's own SDF if one of its plugins drives it; of a static one, if it moves a belt."""
     plugins = model.findall("plugin")
     if not plugins:
         return None
     from drake_twin.description.gazebo_drives import is_drive
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    if not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
+    if not any(is_belt(plugin) or (has_drives and (is_drive(plugin) or is_ros2_control(plugin))) for plugin in found):
         return None
     copy = deepcopy(model)
     for pose in copy.findall("pose"):
@@ -313,7 +315,7 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
-        robot = None if static else _robot_text(model, version, reader)
+        robot = _robot_text(model, version, reader, has_drives=not static)
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents

@@ -283,6 +283,10 @@ def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models
         if model.folded:
             for parents, children in _jointed(plant, model):
                 manager.Apply(CollisionFilterDeclaration().ExcludeBetween(parents, children))
+        for body in bodies:  # Drake filters these, but forgets it where it changes a shape
+            own = plant.GetCollisionGeometriesForBody(body)
+            if len(own) > 1 and (model.colliding is None or body.name() in model.colliding):
+                manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(own)))
         if model.colliding is None:
             continue
         apart = plant.CollectRegisteredGeometries([body for body in bodies if body.name() in model.colliding])

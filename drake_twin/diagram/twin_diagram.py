@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import (
-    Diagram,
-    DiagramBuilder,
-    InputPort,
-    OutputPort,
-    System,
-)
+from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort, System
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import urdf_link_name
@@ -29,6 +23,7 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
+from drake_twin.diagram.surfaces import move_surfaces
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.world_in_plant import wind_of
@@ -266,6 +261,8 @@ def _build(
 
         of_world = forces_of_world(parts, world_file)
     about_forces = tuple(apply_forces(builder, parts.plant, forces, of_world))
+    surfaces = [(parts.robots[name].instance, *item) for name, robot in robots.items() for item in robot.surfaces()]
+    about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
