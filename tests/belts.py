@@ -94,19 +94,21 @@ def tank(plugins: str | None = None, joint: str = "fixed") -> str:
     return f'<sdf version="1.9"><model name="tank">\n\n{"".join(parts)}\n\n{plugins}\n</model></sdf>'
 
 
-def built(folder: Path, step: float | str, robots: dict[str, tuple[str, tuple[float, ...]]], **world: Any) -> Twin:
-    """A twin with robots: name → (their SDF, xyz)."""
+def built(folder: Path, step: float | str, robots: dict[str, tuple[Any, ...]], **world: Any) -> Twin:
+    """A twin with robots: name → (their SDF, xyz, rpy)."""
     engine = {"engine": CENIC} if step == CENIC else {"time_step": step}
     builder = TwinBuilder(world=World(**{"gravity": (0, 0, -G)} | world), **engine)
-    for name, (text, xyz) in robots.items():
+    for name, (text, xyz, *rpy) in robots.items():
         (folder / f"{name}.sdf").write_text(text)
-        builder.robot(name, folder / f"{name}.sdf", xyz=xyz)
+        builder.robot(name, folder / f"{name}.sdf", xyz=xyz, rpy=rpy[0] if rpy else (0, 0, 0))
     return builder.build()
 
 
-def tank_twin(folder: Path, step: float | str = 0.001, text: str | None = None, **world: Any) -> Twin:
-    """A twin with a vehicle that stands on the ground, forwards along x."""
-    return built(folder, step, {"tank": (tank() if text is None else text, (0, 0, 1e-4))}, **world)
+def tank_twin(
+    folder: Path, step: float | str = 0.001, pose: tuple[tuple[float, ...], ...] = ((0, 0, 1e-4),), **world: Any
+) -> Twin:
+    """A twin with a vehicle, which stands on the ground, forwards along x, if nothing else is said."""
+    return built(folder, step, {"tank": (tank(), *pose)}, **world)
 
 
 def number(value: float) -> Any:

@@ -34,7 +34,9 @@ class SurfaceSpeeds(WitnesslessSystem):
         self._inputs = [
             (own, self.DeclareVectorInputPort(f"surface_speeds_{number}", len(own))) for number, own in enumerate(names)
         ]
-        self.DeclareAbstractOutputPort("surface_speeds", lambda: Value(BusValue()), weakly(self._calc))
+        self.DeclareAbstractOutputPort(
+            "surface_speeds", lambda: Value(BusValue()), weakly(self._calc), {self.all_input_ports_ticket()}
+        )
 
     def _calc(self, context: Context, output: AbstractValue) -> None:
         bus = BusValue()

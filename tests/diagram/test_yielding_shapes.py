@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from pydrake.geometry import Convex
 
-from drake_twin.diagram.track_shapes import track_box
+from drake_twin.diagram.track_shapes import soft_box
 from drake_twin.diagram.yielding_shapes import _box_surface, _fine_box, _fine_hull, _hard_surface, _surface
 
 SHAPES = {
@@ -68,7 +68,7 @@ def test_a_box_is_filled_with_a_core_at_one_depth():
 
 @pytest.mark.parametrize("size", [(0.6, 0.1, 0.15), (0.1, 0.6, 0.15), (0.2, 0.2, 0.2), (2.0, 0.01, 0.1)])
 def test_the_box_of_a_track_has_squares_on_its_sides_and_one_point_inside(size):
-    points, tetrahedra = read(track_box(*size))
+    points, tetrahedra = read(soft_box(*size))
     a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
     volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     assert volumes.min() > 0

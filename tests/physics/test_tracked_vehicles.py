@@ -1,6 +1,6 @@
 """Vehicles on tracks as gz-sim's TrackedVehicle, beside mechanics."""
 
-from math import atan, cos, sin
+from math import atan, atan2, cos, sin
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from belts import (
     HEIGHT,
     STEPS,
     G,
+    box,
     moving,
     number,
     stands_still,
@@ -97,6 +98,28 @@ def test_it_climbs_slopes_below_the_angle_of_friction_and_slides_down_steeper_on
 
 
 @moving
+def test_it_climbs_stairs_as_fast_as_its_tracks(tmp_path, step):
+    """It lies on the edges of stairs that are less steep than the angle of friction, which do not brake it."""
+    rise, tread, place = 0.06, 0.18, 0.72
+    steps = "".join(
+        f'<collision name="c{count}"><pose>{tread * (count - 0.5)} 0 {rise * count / 2} 0 0 0</pose>'
+        f"<geometry>{box(tread, 1, rise * count)}</geometry></collision>"
+        for count in range(1, 9)
+    )
+    model = f'<model name="stairs"><static>1</static><link name="l">{steps}</link></model>'
+    (tmp_path / "stairs.sdf").write_text(f'<sdf version="1.9"><world name="w">{model}</world></sdf>')
+    angle = atan2(rise, tread)
+    start = (place, 0, rise + place * rise / tread + 1e-3)
+    twin = tank_twin(tmp_path, step, pose=(start, (0, -angle, 0)), file=str(tmp_path / "stairs.sdf"), ground=False)
+    twin.publish(BASE, twist(0.3, 0.0))
+    twin.advance_to(0.2)
+    before = np.array(twin.entities.state("tank").position)
+    twin.advance_to(0.5)
+    way = np.array(twin.entities.state("tank").position) - before
+    assert way == pytest.approx(0.3 * 0.3 * np.array((cos(angle), 0, sin(angle))), rel=0.01, abs=1e-3)
+
+
+@moving
 def test_the_odometry_follows_from_the_tracks_as_if_they_were_wheels(tmp_path):
     twin = tank_twin(tmp_path, 0.01)
     twin.publish(BASE, twist(0.2, 0.1))
@@ -106,6 +129,26 @@ def test_the_odometry_follows_from_the_tracks_as_if_they_were_wheels(tmp_path):
     assert heading == pytest.approx(0.1 / 0.5, rel=0.03)  # by the default efficiency
     assert pose.position.x == pytest.approx(np.sin(0.2) / 0.2 * 0.2, rel=0.03)
     assert twin.latest("/tank/link/left/odometry").twist.twist.linear.x == pytest.approx(0.2 - 0.1 * 0.4)
+
+
+@moving
+def test_the_speeds_are_computed_as_often_as_controllers_are_updated(tmp_path, monkeypatch):
+    """And not in each step of the physics."""
+    from drake_twin.systems.surface_speeds import SurfaceSpeeds
+
+    times, calc = [], SurfaceSpeeds._calc
+
+    def counted(system, context, output):
+        times.append(context.get_time())
+        calc(system, context, output)
+
+    monkeypatch.setattr(SurfaceSpeeds, "_calc", counted)
+    twin = tank_twin(tmp_path)
+    twin.publish(BASE, twist(0.2, 0.0))
+    twin.advance_to(0.1)
+    times.clear()
+    twin.advance_to(0.2)
+    assert len(times) <= 11
 
 
 @moving
