@@ -67,6 +67,7 @@ BUOYANCY_ENGINE = "gz_sim/BuoyancyEngine"
 SPACECRAFT_THRUSTERS = "gz_sim/SpacecraftThrusters"
 TRAJECTORY_FOLLOWER = "gz_sim/TrajectoryFollower"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
+TRACKS = "gz_sim/Tracks"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

@@ -94,6 +94,21 @@ def plugin_kind(plugin: GazeboPlugin) -> str:
     return class_kind(match[1]) if match else library
 
 
+def is_belt(plugin: GazeboPlugin) -> bool:
+    """Tell whether a plugin moves the surface of a link, also of one that stands still."""
+    return plugin_kind(plugin) == "track-controller-system"
+
+
+def works_while_still(plugin: GazeboPlugin) -> bool:
+    """Tell whether a plugin moves or holds something else than its model, which may be static."""
+    return is_belt(plugin) or plugin_kind(plugin) == "detachable-joint-system"
+
+
+def track_links(plugins: Iterable[GazeboPlugin]) -> frozenset[str]:
+    """Return the links whose surfaces are moved by plugins."""
+    return frozenset(link for plugin in plugins if is_belt(plugin) for link in plugin.elements.get("link", ())[:1])
+
+
 def class_kind(name: str) -> str:
     """Return the kind of a class of gz-sim: ``diff-drive-system`` for ``DiffDrive``."""
     return f"{_words(name, '-')}-system"

@@ -15,7 +15,7 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
+from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind, works_while_still
 from drake_twin.description.link_wind import windy_links_of_sdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
@@ -167,8 +167,13 @@ def read_world(
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
 
 
-def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins, or the fluid about it, drives it."""
+def _robot_text(
+    model: etree._Element, version: tuple[int, ...], reader: XmlReader, *, is_still: bool
+) -> RobotText | None:
+    """Return a model's own SDF if one of its plugins, or the fluid about it, drives it.
+
+    Of a static one those count that move something else, as a belt does.
+    """
     plugins = model.findall("plugin")
     has_mass_of_fluid = next(model.iter("fluid_added_mass"), None) is not None
     if not plugins and not has_mass_of_fluid:
@@ -176,7 +181,10 @@ def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlRead
     from drake_twin.description.gazebo_drives import is_drive
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    if not has_mass_of_fluid and not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
+    drives = any(works_while_still(plugin) for plugin in found)
+    if not is_still:
+        drives = drives or has_mass_of_fluid or any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found)
+    if not drives:
         return None
     copy = deepcopy(model)
     for pose in copy.findall("pose"):
@@ -329,7 +337,7 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
-        robot = None if static else _robot_text(model, version, reader)
+        robot = _robot_text(model, version, reader, is_still=static)
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents

@@ -23,6 +23,7 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
+from drake_twin.diagram.surfaces import move_surfaces
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.wind import add_wind
@@ -256,6 +257,8 @@ def _build(
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
     about_forces = tuple(apply_forces(builder, parts, plans, robots, world_file, surroundings.wind))
+    surfaces = [(parts.robots[name].instance, *item) for name, robot in robots.items() for item in robot.surfaces()]
+    about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
