@@ -5,9 +5,9 @@ registered once for each kind of partner that needs another value, and collision
 exactly once:
 
 - *Yielding.* Of two shapes one has to yield. Static shapes do to tracks alone (``hard_tracks``). Of two moving shapes
-  the lighter one yields and the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the patch,
-  which brakes a slide by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost time in
-  every step, and robots rarely slide on one another.
+  the lighter one yields and the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the
+  patch, which brakes a slide by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost
+  time in every step, and robots rarely slide on one another.
 - *Friction.* Gazebo uses the smaller coefficient of two shapes, Drake 2·a·b/(a + b). A shape is registered at its own
   level of friction and at the levels of the smoother shapes that it meets: at each level both partners have the same
   coefficient. Of hundreds of static shapes each is registered once; for them, moving shapes are registered with the
