@@ -121,13 +121,14 @@ SDF_MODEL = _part(
         "gravity self_collide enable_wind",
         pose=_POSE,
         inertial=_part(
-            texts="mass",
+            "auto",
+            "mass density",
             pose=_POSE,
             inertia=_part(texts="ixx ixy ixz iyy iyz izz"),
             fluid_added_mass=_part(texts=" ".join(ADDED_MASS_ENTRIES)),
         ),
         visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient emissive")),
-        collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
+        collision=_part("name", "density", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
     joint=_part("name type", "parent child thread_pitch screw_thread_pitch", pose=_POSE, axis=_AXIS, axis2=_AXIS),
 )
@@ -156,7 +157,7 @@ NO_EFFECT_IN_WORLDS = frozenset(
             "pbr",
             "transparency",
         ),
-        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "auto"),
+        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh"),
         *("stiffness", "dissipation", "heightmap", "image", "polyline", "convex_decomposition"),
         *("ode", "dart", "simbody", "magnetic_field"),  # of <physics>
         *("model", "plugin", "sensor", "light", "gripper", "particle_emitter", "projector"),
