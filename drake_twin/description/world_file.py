@@ -15,7 +15,7 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind, works_while_still
+from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.link_wind import windy_links_of_sdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
@@ -38,6 +38,7 @@ from drake_twin.description.world_plugins import (
     read_world_plugins,
     take_triggers,
 )
+from drake_twin.description.world_robots import RobotText, robot_text
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
@@ -53,19 +54,6 @@ _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
 _USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates", "wind"}
 _OF_SCENE = ("background", "shadows")
 _SILENT = {"atmosphere", "light", "audio"}
-
-
-@dataclass(frozen=True)
-class RobotText:
-    """A robot's SDF, without a pose, that stands in another file.
-
-    Attributes:
-        file: That file's name, without its folder.
-        text: The SDF; its lines have the numbers that they have in that file.
-    """
-
-    file: str
-    text: str
 
 
 @dataclass(frozen=True)
@@ -165,38 +153,6 @@ def read_world(
         what = "has no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
         raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
-
-
-def _robot_text(
-    model: etree._Element, version: tuple[int, ...], reader: XmlReader, *, is_still: bool
-) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins, or the fluid about it, drives it.
-
-    Of a static one those count that move something else, as a belt does.
-    """
-    plugins = model.findall("plugin")
-    has_mass_of_fluid = next(model.iter("fluid_added_mass"), None) is not None
-    if not plugins and not has_mass_of_fluid:
-        return None
-    from drake_twin.description.gazebo_drives import is_drive
-
-    found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    drives = any(works_while_still(plugin) for plugin in found)
-    if not is_still:
-        drives = drives or has_mass_of_fluid or any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found)
-    if not drives:
-        return None
-    copy = deepcopy(model)
-    for pose in copy.findall("pose"):
-        copy.remove(pose)
-    for address in copy.iter("uri"):
-        name = (address.text or "").strip()
-        if name and "://" not in name and reader.file is not None:  # relative to the file that it stands in
-            address.text = str(reader.file.parent / name)
-    line: object = model.sourceline  # the stubs' type is not a number's
-    above = "\n" * (line - 1 if isinstance(line, int) else 0)
-    text = f'{above}<sdf version="{".".join(map(str, version))}">{etree.tostring(copy, encoding="unicode")}</sdf>'
-    return RobotText("world.sdf" if reader.file is None else reader.file.name, text)
 
 
 class _World:
@@ -337,7 +293,7 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
-        robot = _robot_text(model, version, reader, is_still=static)
+        robot = robot_text(model, version, reader, is_still=static)
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
