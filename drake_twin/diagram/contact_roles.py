@@ -5,9 +5,9 @@ registered once for each kind of partner that needs another value, and collision
 exactly once:
 
 - *Yielding.* Of two shapes one has to yield. Static shapes do to tracks alone (``hard_tracks``). Of two moving shapes
-  the lighter one yields and the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the patch,
-  which brakes a slide by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost time in
-  every step, and robots rarely slide on one another.
+  the lighter one yields and the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the
+  patch, which brakes a slide by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost
+  time in every step, and robots rarely slide on one another.
 - *Friction.* Gazebo uses the smaller coefficient of two shapes, Drake 2·a·b/(a + b). A shape is registered at its own
   level of friction and at the levels of the smoother shapes that it meets: at each level both partners have the same
   coefficient. Of hundreds of static shapes each is registered once; for them, moving shapes are registered with the
@@ -29,7 +29,6 @@ from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group, Part, has_short_steps
-from drake_twin.diagram.hard_tracks import hard_track, yielding_ground
 from drake_twin.diagram.yielding_shapes import hard, yielding
 from drake_twin.errors import InputError
 
@@ -204,7 +203,10 @@ class Registry:
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
             soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD, BELT)
-            soft = yielding_ground(shape) if variant.role == GROUND else soft
+            if variant.role in (BELT, GROUND):
+                from drake_twin.diagram.hard_tracks import hard_track, yielding_ground
+
+                soft = yielding_ground(shape) if variant.role == GROUND else None
             form = shape.shape if soft is None else soft.shape
             if variant.role == HARD and not shape.is_loose:
                 form = hard(shape, is_fine=not has_short_steps(self._plant))
