@@ -77,6 +77,7 @@ class _Class(NamedTuple):
     is_loose: bool
     part: Part
     is_track: bool
+    is_plane: bool
 
 
 def usual_role(shape: ContactShape) -> str:
@@ -109,6 +110,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             shape.is_loose,
             shape.part,
             shape.is_track,
+            isinstance(shape.shape, HalfSpace),
         )
         for shape in shapes
     ]
@@ -126,7 +128,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             assert one.group is not None
             assert other.group is not None
             roles = (SOFT, HARD) if one.group < other.group else (HARD, SOFT)
-        elif set(roles) == {SOFT, STATIC} and (one.is_track or other.is_track):
+        elif set(roles) == {SOFT, STATIC} and (one.is_track or other.is_track) and not (one.is_plane or other.is_plane):
             roles = (BELT, GROUND) if one.is_track else (GROUND, BELT)
         level = min(one.friction, other.friction)
         needs[one].add(Variant(level, roles[0], level))
@@ -275,7 +277,10 @@ class Registry:
         self._exclude_within([*roles[BELT]])
         others = [item for role, items in roles.items() if role not in (BELT, GROUND) for item in items]
         self._exclude_between([*roles[BELT], *roles[GROUND]], others)
-        self._exclude_between([item for item in roles[SOFT] if item.shape.is_track and roles[BELT]], roles[STATIC])
+        self._exclude_between(
+            [item for item in roles[SOFT] if item.shape.is_track and roles[BELT]],
+            [item for item in roles[STATIC] if not isinstance(item.shape.shape, HalfSpace)],
+        )
         groups = sorted({*soft, *hard})
         for index, group in enumerate(groups):
             self._exclude_between(hard[group], [item for heavier in groups[index:] for item in soft[heavier]])
