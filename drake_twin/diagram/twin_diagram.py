@@ -23,7 +23,6 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
-from drake_twin.diagram.surfaces import move_surfaces
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.wind import add_wind
@@ -258,7 +257,10 @@ def _build(
     _name_unnamed(added)
     about_forces = tuple(apply_forces(builder, parts, plans, robots, world_file, surroundings.wind))
     surfaces = [(parts.robots[name].instance, *item) for name, robot in robots.items() for item in robot.surfaces()]
-    about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
+    if surfaces:
+        from drake_twin.diagram.surfaces import move_surfaces
+
+        about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
