@@ -17,6 +17,7 @@ from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sdf_document import free_name, has_weight, is_within_static, number_in, sdf_version
+from drake_twin.description.sdf_mimic import couple
 from drake_twin.description.sdf_nested import join_across_models, rename
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
@@ -63,7 +64,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
                 axis.remove(old)
     hold_by_links(model)
     found: list[Finding] = []
-    for rule in (_frames_of_old_poses, _names, join_across_models, _joints, _inertias):
+    for rule in (_frames_of_old_poses, _names, join_across_models, _joints, couple, _inertias):
         found += (Finding(Kind.WARNING, what) for what in rule(model))
     found += (Finding(Kind.WARNING, what, weight=weight) for what, weight in mend_shapes(model))
     mend_planes(model)

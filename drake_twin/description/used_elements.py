@@ -109,6 +109,7 @@ _AXIS = _part(
     xyz=_part("expressed_in"),
     limit=_part(texts="lower upper effort velocity"),
     dynamics=_part(texts="damping friction spring_reference spring_stiffness"),
+    mimic=_part("joint axis", "multiplier reference offset"),
 )
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
