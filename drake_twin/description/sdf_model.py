@@ -55,6 +55,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     Returns:
         What was left out and what was changed, each once.
     """
+    found = [Finding(Kind.WARNING, what) for what in _auto_inertias(model, reader, find)]
     unknown = [
         Finding(Kind.IGNORED, what, weight=weight, cause=Cause.UNREAD) for what, weight in _unknown_elements(model)
     ]
@@ -63,7 +64,6 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
             for old in axis.findall("use_parent_model_frame"):
                 axis.remove(old)
     hold_by_links(model)
-    found: list[Finding] = []
     for rule in (_frames_of_old_poses, _names, join_across_models, _joints, couple, _inertias):
         found += (Finding(Kind.WARNING, what) for what in rule(model))
     found += (Finding(Kind.WARNING, what, weight=weight) for what, weight in mend_shapes(model))
@@ -79,6 +79,14 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         replace(finding, what=finding.what + (f" ({count} times)" if count > 1 else ""))
         for finding, count in Counter((*unknown, *found)).items()
     ]
+
+
+def _auto_inertias(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[str]:
+    if model.find(".//link/inertial[@auto]") is None:
+        return
+    from drake_twin.description.auto_inertia import fill_auto_inertias
+
+    yield from fill_auto_inertias(model, reader, find)
 
 
 def hold_by_links(model: etree._Element) -> None:
@@ -230,7 +238,6 @@ def _inertias(model: etree._Element) -> Iterator[str]:
         if is_within_static(link):
             link.remove(inertial)
             continue
-        inertial.attrib.pop("auto", "")
         mass_element = inertial.find("mass")
         mass = 1.0 if mass_element is None else number_in(mass_element)
         inertia = inertial.find("inertia")

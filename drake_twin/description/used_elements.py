@@ -120,9 +120,9 @@ SDF_MODEL = _part(
         "name",
         "gravity self_collide enable_wind",
         pose=_POSE,
-        inertial=_part(texts="mass", pose=_POSE, inertia=_part(texts="ixx ixy ixz iyy iyz izz")),
+        inertial=_part("auto", "mass density", pose=_POSE, inertia=_part(texts="ixx ixy ixz iyy iyz izz")),
         visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient emissive")),
-        collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
+        collision=_part("name", "density", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
     joint=_part("name type", "parent child thread_pitch screw_thread_pitch", pose=_POSE, axis=_AXIS, axis2=_AXIS),
 )
