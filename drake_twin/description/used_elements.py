@@ -151,7 +151,7 @@ NO_EFFECT_IN_WORLDS = frozenset(
             "pbr",
             "transparency",
         ),
-        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "fluid_added_mass", "auto"),
+        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh"),
         *("stiffness", "dissipation", "heightmap", "image", "polyline", "convex_decomposition"),
         *("ode", "dart", "simbody", "magnetic_field"),  # of <physics>
         *("model", "plugin", "sensor", "light", "gripper", "particle_emitter", "projector"),
