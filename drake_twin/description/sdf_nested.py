@@ -179,7 +179,7 @@ def rename(model: etree._Element, names: Mapping[str, str]) -> None:
         if child.tag in ("link", "joint", "frame") and child.get("name") in names:
             child.set("name", names[child.get("name", "")])
     for element in model.iter(etree.Element):
-        for attribute in _REFERENCES:
+        for attribute in (*_REFERENCES, *(("joint",) if element.tag == "mimic" else ())):
             if element.get(attribute) in names:
                 element.set(attribute, names[element.get(attribute, "")])
         text = (element.text or "").strip()
