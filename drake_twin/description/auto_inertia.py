@@ -59,6 +59,7 @@ def give_auto_inertias(model: etree._Element, reader: XmlReader, find: FindFile)
                 total += found
         mass = number_in(inertial.find("mass"))
         if total is None:
+            del inertial.attrib["auto"]
             yield f'link {name}: its inertia is auto="true", and no collision has a volume: it is that of 1 kg'
             continue
         if lacks and mass is None:

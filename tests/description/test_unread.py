@@ -272,10 +272,10 @@ def test_a_value_in_an_attribute_is_read_as_gazebo_reads_it(tmp_path, tag):
     assert unread_in_urdf(XmlReader(text, tmp_path / "r.urdf")) == []
 
 
-def test_added_mass_that_nothing_uses_is_a_finding_in_a_world_too(tmp_path):
+def test_added_mass_of_a_model_that_is_no_robot_is_a_finding(tmp_path):
     """It changes how a model accelerates."""
     inertial = "<inertial><mass>1</mass><fluid_added_mass><xx>3</xx></fluid_added_mass></inertial>"
     world = world_of(tmp_path, f'<model name="m"><link name="l">{inertial}</link></model>')
     (finding,) = world.findings
-    assert finding.what == "m: <fluid_added_mass> in <inertial>"
+    assert finding.what == "m: <fluid_added_mass> in <inertial>: only that of robots acts"
     assert finding.weight is Weight.MOVES
