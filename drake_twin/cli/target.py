@@ -382,7 +382,8 @@ def _command(topic: str, text: str) -> Command:
 
     try:
         value = load_yaml(text)
-        data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
+        is_list = isinstance(value, dict) and [*value] == ["data"] and isinstance(value["data"], list)
+        data = value["data"] if is_list else value
         if isinstance(data, dict):
             return Command(topic, data)
         if not isinstance(data, list) or any(isinstance(item, bool) for item in data):

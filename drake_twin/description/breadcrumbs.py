@@ -8,6 +8,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import CannotWorkError, PluginReader
 from drake_twin.description.plugin_element import PluginElement
 from drake_twin.description.robot_description import Pose
+from drake_twin.description.welded_models import weld_to_world
 from drake_twin.values import parse_number
 
 
@@ -87,15 +88,15 @@ def read_breadcrumbs(plugin: PluginReader, number: str) -> Deploy | None:
 
 
 def fixed_to_the_world(text: str) -> str:
-    """Return a model's SDF with its first link fixed to the world."""
+    """Return a model's SDF with its links fixed to the world.
+
+    Raises:
+        ValueError: If it has no link of its own.
+    """
     root = etree.fromstring(text.encode())
     model = root.find("model")
-    link = None if model is None else model.find("link")
-    if model is None or link is None:
-        raise ValueError("the model has no link of its own")
-    joint = etree.SubElement(model, "joint", name="fixed_to_the_world", type="fixed")
-    etree.SubElement(joint, "parent").text = "world"
-    etree.SubElement(joint, "child").text = link.get("name")
+    assert model is not None, "it is the text of a Deploy"
+    weld_to_world(model)
     return etree.tostring(root, encoding="unicode")
 
 

@@ -28,6 +28,7 @@ from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
+from drake_twin.description.welded_models import weld_holder
 from drake_twin.description.world_frames import WorldFrames
 from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins, take_triggers
 from drake_twin.description.world_sensors import SensorsOfModel
@@ -298,6 +299,7 @@ class _World:
     ) -> WorldModel:
         model.set("name", name)
         model.attrib.pop("placement_frame", "")  # X is the pose of the model's own frame
+        weld_holder(model)
         static = is_static(model)
         for nested in model.iter("model"):
             for each in nested.findall("static"):
