@@ -6,6 +6,7 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import CannotWorkError, PluginReader
+from drake_twin.description.performers import PERFORMER, check_volume
 from drake_twin.description.plugin_element import PluginElement
 from drake_twin.description.robot_description import Pose
 from drake_twin.description.welded_models import weld_to_world
@@ -54,7 +55,7 @@ def read_breadcrumbs(plugin: PluginReader, number: str) -> Deploy | None:
         InputError: If a value is invalid; with file and line.
     """
     for tag in plugin.plugin.elements:
-        if tag.startswith("breadcrumb/"):
+        if tag.startswith(("breadcrumb/", "performer_volume/geometry/box/")):
             plugin.has(tag)
     plugin.has("topic_statistics")  # which only counts messages
     most = plugin.number("max_deployments", -1)
@@ -75,6 +76,11 @@ def read_breadcrumbs(plugin: PluginReader, number: str) -> Deploy | None:
     text = "" if pose is None else (pose.text or "").strip()
     if pose is not None:
         whole[0].remove(pose)
+    volume = next((item for item in plugin.plugin.tree if item.tag == "performer_volume"), None)
+    if volume is not None:
+        check_volume(plugin, volume)
+        own = etree.SubElement(whole[0], "plugin", name="performer", filename=PERFORMER)
+        own.extend(list(_all_as_xml(volume)))
     return Deploy(
         name=name,
         text=etree.tostring(whole, encoding="unicode"),

@@ -30,7 +30,7 @@ from drake_twin.description.robot_description import GazeboPlugin, RobotDescript
 from drake_twin.extensions import Registry
 
 if TYPE_CHECKING:
-    from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.performers import Performer, PerformerDetector
     from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
@@ -114,6 +114,7 @@ class GazeboDrive:
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
         triggers: What the twin publishes when it hears messages, beside the controller or without one.
+        performers: The boxes as which its model is a performer, likewise.
         detectors: The regions of its model that notice performers, likewise.
         touches: What tells that its model has touched another one, likewise.
     """
@@ -137,6 +138,7 @@ class GazeboDrive:
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     triggers: "tuple[Trigger, ...]" = ()
+    performers: "tuple[Performer, ...]" = ()
     detectors: "tuple[PerformerDetector, ...]" = ()
     touches: "tuple[TouchDetector, ...]" = ()
 
