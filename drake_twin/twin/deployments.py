@@ -40,13 +40,16 @@ class Deployments:
         self.endpoints: tuple[Endpoint, ...] = ()
         self.moving: list[tuple[float, str]] = []
         self._counts: dict[tuple[str, str], int] = {}
+        self._names: dict[tuple[str, str], str] = {}
+        self._robots: set[str] = set()
 
     def use(self, built: TwinDiagram) -> None:
         """Switch to a newly built diagram; what robots have dropped is forgotten with them."""
         known = list(_deploys(built))
         self._counts = {(item.owner, item.number): self._counts.get((item.owner, item.number), 0) for item in known}
-        robots = {plan.name for plan in built.plans}
-        self.moving = [entry for entry in self.moving if entry[1] in robots]
+        self._names = {(item.owner, item.number): item.name for item in known}
+        self._robots = {plan.name for plan in built.plans}
+        self.moving = [entry for entry in self.moving if entry[1] in self._robots]
         topics = dict.fromkeys(f"{item.topic}/remaining" for item in known)
         self.endpoints = tuple(Endpoint(PUBLISHED, topic, _NUMBER, TWIN_NODE, depth=_DEPTH) for topic in topics)
 
@@ -80,8 +83,11 @@ class Deployments:
         return [max(step_at(time, self._clock.time_step), self._clock.step + 1) for time, _ in self.moving]
 
     def start(self) -> None:
-        """Forget when models are to be fixed; they are still there, and count."""
+        """Forget when models are to be fixed; those that are still there count, as their names are taken."""
         self.moving = []
+        for key, name in self._names.items():
+            if not any(robot.startswith(f"{name}_") for robot in self._robots):
+                self._counts[key] = 0
 
     def state(self) -> dict[str, Any]:
         """Return the entry of a snapshot that this part keeps."""

@@ -147,6 +147,17 @@ def test_after_a_reset_what_was_dropped_is_there_and_counts(build):
     assert twin.robots == ("flyer", "stone_0", "stone_1")
 
 
+def test_a_start_without_what_was_dropped_counts_anew(build):
+    twin = build(drops("<max_deployments>1</max_deployments>"))
+    scenario = twin.scenario
+    for _ in range(2):
+        twin.publish(TOPIC, {})
+        twin.advance_to(0.1)
+        assert twin.robots == ("flyer", "stone_0")
+        twin.reset(scenario)
+        assert twin.robots == ("flyer",)
+
+
 def test_a_model_that_is_deleted_before_its_time_is_not_fixed(build):
     twin = build(drops("<disable_physics_time>0.3</disable_physics_time>"))
     twin.publish(TOPIC, {})
