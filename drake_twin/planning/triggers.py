@@ -78,6 +78,8 @@ def plan_triggers(
         owned += [(plan.name, number, trigger) for number, trigger in enumerate(of_plan)]
     if not owned:
         return ()
+    touches += [(item, plan.name) for plan in plans for item in plan.touches]
+    spaces = {of_model(detector.topic, model) for detector, model in touches}
     worlds = set() if world_file is None else {world_file.name, *_stem(world_file)}
     known = [*_of_drives(plans), *_of_sensors(plans), *_of_sensors(models)]
     bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
@@ -91,7 +93,7 @@ def plan_triggers(
         told = (
             replace(item, topic=topic) for item in trigger.messages for topic in in_ros(of_model(item.topic, owner))
         )
-        requests = tuple(_owned(_checked(item, worlds), owner, heard[0]) for item in trigger.requests)
+        requests = tuple(_owned(_checked(item, worlds, spaces), owner, heard[0]) for item in trigger.requests)
         trigger = replace(trigger, topic=heard[0], messages=tuple(told), requests=requests)
         return OwnedTrigger(owner, number, trigger, heard)
 
@@ -112,8 +114,12 @@ def _stem(world_file: "WorldFile") -> Iterator[str]:
         yield world_file.file.name.partition(".")[0]
 
 
-def _checked(item: "TriggeredRequest", worlds: set[str]) -> "TriggeredRequest":
-    """Return a request, without what it asks for where its world is not that of the twin."""
+def _checked(item: "TriggeredRequest", worlds: set[str], spaces: set[str]) -> "TriggeredRequest":
+    """Return a request, without what it asks for where its world or its TouchPlugin is not in the twin."""
+    from drake_twin.description.touches import EnableTouch
+
+    if isinstance(item.request, EnableTouch) and item.request.topic not in spaces:
+        return replace(item, request=None, problem=f"the twin has no service {item.service}")
     if not (item.request and item.world and worlds) or item.world in worlds:
         return item
     return replace(item, request=None, problem=f"{item.service}: the world is not called {item.world!r}")
