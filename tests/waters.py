@@ -95,6 +95,12 @@ def hydrodynamics(link="hull", /, **elements):
     return f'<plugin filename="gz-sim-hydrodynamics-system" name="gz::sim::systems::Hydrodynamics">{own}</plugin>'
 
 
+def bladder(link="hull", /, **elements):
+    """SDF of gz-sim's BuoyancyEngine."""
+    own = "".join(f"<{tag}>{value}</{tag}>" for tag, value in {"link_name": link, **elements}.items())
+    return f'<plugin filename="gz-sim-buoyancy-engine-system" name="gz::sim::systems::BuoyancyEngine">{own}</plugin>'
+
+
 def thruster(joint="shaft", /, **elements):
     """SDF of gz-sim's Thruster."""
     values = {"joint_name": joint, "thrust_coefficient": 0.02, "propeller_diameter": 0.1, **elements}

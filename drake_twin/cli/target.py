@@ -384,8 +384,8 @@ def _command(topic: str, text: str) -> Command:
     try:
         value = load_yaml(text)
         data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
-        if isinstance(data, dict):
-            return Command(topic, data)
+        if isinstance(value, dict) and isinstance(data, dict | bool | int | float | str):
+            return Command(topic, data if isinstance(data, dict) else value)  # data: 1 is a std_msgs/msg/Float64
         if not isinstance(data, list) or any(isinstance(item, bool) for item in data):
             raise TypeError
         return Command(topic, tuple(float(item) for item in data))

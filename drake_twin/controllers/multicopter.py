@@ -27,8 +27,6 @@ from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
 
-_THERE = 1e-6  # of a speed to its target (rad/s)
-
 
 @saved("RotorSpeeds")
 @dataclass(frozen=True)
@@ -70,9 +68,9 @@ class Multicopter(ForceController, StatefulController):
 
     Behaves as gz-sim's MulticopterMotorModel for all of its rotors, and as its MulticopterVelocityControl where the
     robot has that (from their sources). The speeds follow commands with the lag of each rotor, at any time; the joints
-    turn at the speeds ÷ ``rotor_velocity_slowdowns``. These and the control of the velocity are updated up to 250
-    times a second, where Gazebo does it in each step, and the control without the noise that it can add to what it
-    measures.
+    turn at the speeds ÷ ``rotor_velocity_slowdowns``, with the lag of a speed that rises as that of their servos. The
+    control of the velocity is updated up to 250 times a second, where Gazebo does it in each step, and without the
+    noise that it can add to what it measures.
 
     .. pydrake_system::
 
@@ -168,10 +166,11 @@ class Multicopter(ForceController, StatefulController):
         self.set_sample(context, Sample(True, context.get_time(), self._still, ()))
 
     def declare_updates(self) -> bool:
-        """Declare the updates of the joints' speeds, and of the control of the velocity."""
-        update = self._control_velocity if self.setup.parameters.controls_velocity else self._speed_up
-        self.DeclarePeriodicUnrestrictedUpdateEvent(self.setup.update_period, self.setup.update_offset, weakly(update))
-        return True
+        """Declare the updates of the control of the velocity."""
+        if self.setup.parameters.controls_velocity:
+            period, offset = self.setup.update_period, self.setup.update_offset
+            self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, weakly(self._update))
+        return bool(self.setup.parameters.controls_velocity)
 
     def _now(self, context: Context) -> RotorSpeeds:
         """Return what the rotors approach."""
@@ -187,23 +186,16 @@ class Multicopter(ForceController, StatefulController):
             before.starts, before.targets, parameters.time_constants_up, parameters.time_constants_down, strict=True
         ):
             lag = up if target > start else down
-            gap = (start - target) * exp((before.time - time) / lag)
-            starts.append(target + gap if abs(gap) > _THERE else target)
+            starts.append(target + (start - target) * exp((before.time - time) / lag))
         return RotorSpeeds(time, tuple(starts), tuple(targets))
 
-    def _speed_up(self, context: Context, state: State) -> EventStatus:
-        sample, now = self.sample(context), self._now(context)
-        if not sample.active or self._joint_speeds(now, sample.time) == now.targets:
-            return EventStatus.DidNothing()
-        return self._updated(state, sample, replace(sample, time=context.get_time()), now, now)
-
-    def _control_velocity(self, context: Context, state: State) -> EventStatus:
+    def _update(self, context: Context, state: State) -> EventStatus:
         sample, time = self.sample(context), context.get_time()
         command, switch = self.received(self._cmd_vel, context), self.received(self._enable, context)
         if not sample.active or self._control is None or command is None:
             return EventStatus.DidNothing()
         if switch is not None and (not switch.enable or command.time < switch.time):
-            if not any((*sample.memory.starts, *sample.memory.targets)):
+            if not any(sample.memory.targets):
                 return EventStatus.DidNothing()
             targets = [0.0] * len(sample.memory.targets)
         else:
@@ -215,31 +207,14 @@ class Multicopter(ForceController, StatefulController):
             limits = zip(self.setup.parameters.actuator_numbers, self.setup.parameters.max_rot_velocities, strict=True)
             targets = [min(by_number[number], most) for number, most in limits]
         memory = self._approached(sample.memory, time, targets)
-        return self._updated(state, sample, replace(sample, time=time, memory=memory), sample.memory, memory)
-
-    def _updated(
-        self, state: State, sample: Sample, updated: Sample, before: RotorSpeeds, after: RotorSpeeds
-    ) -> EventStatus:
-        """Set the state; end the advance where a joint is driven, or braked, from now on."""
-        state.get_mutable_abstract_state(int(self._sample_index)).set_value(updated)
-        moved = [is_motion(speed) for speed in self._joint_speeds(before, sample.time)]
-        if self.setup.tells_of_motion and moved != list(map(is_motion, self._joint_speeds(after, updated.time))):
-            return EventStatus.ReachedTermination(self, self.setup.name)
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(replace(sample, time=time, memory=memory))
+        before = sample.memory.targets
+        if self.setup.tells_of_motion and list(map(is_motion, before)) != list(map(is_motion, targets)):
+            return EventStatus.ReachedTermination(self, self.setup.name)  # the joint is driven, or braked, from now on
         return EventStatus.Succeeded()
 
-    def _joint_speeds(self, now: RotorSpeeds, updated: float) -> tuple[float, ...]:
-        """Return the speeds at which the joints turn: those that the rotors have at the next update.
-
-        A joint that jumped to its target would turn a light body at once, and what controls it would answer that.
-
-        Args:
-            now: What the rotors approach.
-            updated: The time of the last update (s).
-        """
-        return self._approached(now, max(now.time, updated) + self.setup.update_period, now.targets).starts
-
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._turns * self._joint_speeds(self._now(context), self.sample(context).time))
+        output.SetFromVector(self._turns * self._now(context).targets)
 
     def _calc_signals(self, context: Context, output: BasicVector) -> None:
         now = self._now(context) if self.sample(context).active else self._still

@@ -30,8 +30,6 @@ class RotorForces(BodyForces):
             of_carriers.setdefault(int(carrier.index()), []).append(place)
         of_carriers = dict(sorted(of_carriers.items()))
         self.bodies = [rotors[places[0]][-1] for places in of_carriers.values()]
-        self._wind = np.array([rotors[places[0]][0].wind for places in of_carriers.values()])
-        self._is_windy = bool(self._wind.any())
         # What a carrier has fewer rotors than another one has neither thrust nor drag, and the signals of any.
         shape = len(of_carriers), max(map(len, of_carriers.values()))
         places_of_rotors = np.zeros(shape, dtype=int)
@@ -48,9 +46,9 @@ class RotorForces(BodyForces):
         since, target, gap, rate = signals[self._of_signals]
         speeds = (target + gap * np.exp(rate * (motion.time - since)))[:, None, :]
         velocity = motion.V_B
-        if self._is_windy:
+        if motion.wind is not None:
             velocity = velocity.copy()
-            velocity[:, 3:] -= np.einsum("nji,nj->ni", motion.R_WB, self._wind)
+            velocity[:, 3:] -= motion.wind @ motion.R_WB
         sizes = np.abs(speeds)
         thrust, drag = sizes * speeds @ self._thrusts, (sizes @ self._drags).reshape(-1, 6, 6)
         wrenches: np.ndarray = thrust[:, 0] + (drag @ velocity[:, :, None])[:, :, 0]

@@ -15,7 +15,8 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
+from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
+from drake_twin.description.link_wind import windy_links_of_sdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -30,7 +31,14 @@ from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
-from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins, take_triggers
+from drake_twin.description.world_plugins import (
+    WIND_EFFECTS,
+    WorldPlugin,
+    is_world_plugin,
+    read_world_plugins,
+    take_triggers,
+)
+from drake_twin.description.world_robots import RobotText, robot_text
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
@@ -49,19 +57,6 @@ _SILENT = {"atmosphere", "light", "audio"}
 
 
 @dataclass(frozen=True)
-class RobotText:
-    """A robot's SDF, without a pose, that stands in another file.
-
-    Attributes:
-        file: That file's name, without its folder.
-        text: The SDF; its lines have the numbers that they have in that file.
-    """
-
-    file: str
-    text: str
-
-
-@dataclass(frozen=True)
 class WorldModel:
     """A model of a world.
 
@@ -75,6 +70,7 @@ class WorldModel:
         place: Where the world asks for it.
         robot: Its own SDF, if one of its plugins drives it: it is a robot that stands in the world's file.
         sensing: It and the models inside it that have sensors; one inside another is called ``OUTER::INNER``.
+        windy_links: The links with ``<enable_wind>``; one of a model inside it is called ``INNER::LINK``.
     """
 
     name: str
@@ -85,6 +81,7 @@ class WorldModel:
     place: Place = field(default=Place(""))
     robot: RobotText | None = None
     sensing: tuple[RobotDescription, ...] = ()
+    windy_links: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -117,6 +114,11 @@ class WorldFile:
     def forces(self) -> tuple[WorldPlugin, ...]:
         """Those of its plugins that exert forces."""
         return tuple(plugin for plugin in self.plugins if plugin.exerts_forces)
+
+    @property
+    def wind_effects(self) -> Any:
+        """The `WindEffectsParameters` of the first plugin that lets its wind change; None without one."""
+        return next((plugin.parameters for plugin in self.plugins if plugin.type == WIND_EFFECTS), None)
 
 
 def read_world(
@@ -151,29 +153,6 @@ def read_world(
         what = "has no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
         raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
-
-
-def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins drives it."""
-    plugins = model.findall("plugin")
-    if not plugins:
-        return None
-    from drake_twin.description.gazebo_drives import is_drive
-
-    found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    if not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
-        return None
-    copy = deepcopy(model)
-    for pose in copy.findall("pose"):
-        copy.remove(pose)
-    for address in copy.iter("uri"):
-        name = (address.text or "").strip()
-        if name and "://" not in name and reader.file is not None:  # relative to the file that it stands in
-            address.text = str(reader.file.parent / name)
-    line: object = model.sourceline  # the stubs' type is not a number's
-    above = "\n" * (line - 1 if isinstance(line, int) else 0)
-    text = f'{above}<sdf version="{".".join(map(str, version))}">{etree.tostring(copy, encoding="unicode")}</sdf>'
-    return RobotText("world.sdf" if reader.file is None else reader.file.name, text)
 
 
 class _World:
@@ -314,11 +293,12 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
-        robot = None if static else _robot_text(model, version, reader)
+        robot = robot_text(model, version, reader, is_still=static)
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
         frames = [Finding(Kind.WARNING, what, weight=weight_of(pose)) for pose, what in forget_unknown_frames(model)]
+        windy = () if static else tuple(windy_links_of_sdf(model))
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
         before = (*frames, *unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
         for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
@@ -326,7 +306,7 @@ class _World:
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described())
+        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described(), windy)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
         """Yield each model of the world, includes replaced.

@@ -274,9 +274,10 @@ def _velocity_gains(
     servo = plan.joints.servos.get((actuator.joint().name(), "velocity"))
     if servo is None:
         return velocity_gains(load, continuous=continuous)
-    if servo.proportional is None:
+    if servo.proportional is None and not servo.time_constant:
         return velocity_gains(load, time_constant=_VELOCITY_AT_ONCE, continuous=continuous)
-    return _following_velocity(max(servo.proportional, _LEAST_DAMPING), continuous=continuous)
+    damping = load.inertia / servo.time_constant if servo.proportional is None else servo.proportional
+    return _following_velocity(max(damping, _LEAST_DAMPING), continuous=continuous)
 
 
 def set_gains(

@@ -1,6 +1,6 @@
 """The Gazebo topics that the bridges of a launch file carry: parameter_bridge and image_bridge."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
 from difflib import get_close_matches
 from pathlib import Path
@@ -57,12 +57,15 @@ def is_bridge(process: LaunchedProcess) -> bool:
     return process.package in _PACKAGES and process.executable in ("parameter_bridge", "bridge_node", "image_bridge")
 
 
-def bridge_lines(process: LaunchedProcess, findings: list[Finding]) -> tuple[BridgeLine, ...]:
+def bridge_lines(
+    process: LaunchedProcess, findings: list[Finding], written: Mapping[str, str] | None = None
+) -> tuple[BridgeLine, ...]:
     """Return the topics of a bridge.
 
     Args:
         process: The bridge.
         findings: Takes what cannot be read, with which ROS's bridge would end.
+        written: The texts of files that the launch writes, see `WrittenFiles`.
     """
     words = [word for word in process.arguments if word and not word.startswith("-")]
     if process.executable == "image_bridge":
@@ -78,7 +81,7 @@ def bridge_lines(process: LaunchedProcess, findings: list[Finding]) -> tuple[Bri
         elif not service:
             direction = _DIRECTIONS[kinds[place]]
             found.append(_line(process, topic, topic, kinds[:place], direction, process.place))
-    lines = (*found, *_in_file(process, findings))
+    lines = (*found, *_in_file(process, findings, written or {}))
     for line in lines:
         if (close := _close_type(line.ros_type)) is not None:
             what = f"{process.what}: unknown type {line.ros_type!r} of {line.ros}. Did you mean {close!r}?"
@@ -118,19 +121,20 @@ def _line(
     return BridgeLine(name, process.resolve(ros), ros_type, direction, place)
 
 
-def _in_file(process: LaunchedProcess, findings: list[Finding]) -> Iterator[BridgeLine]:
+def _in_file(process: LaunchedProcess, findings: list[Finding], written: Mapping[str, str]) -> Iterator[BridgeLine]:
     """Yield the topics in the YAML file of a bridge."""
     given = parameters(process)
     name = given.get("config_file")
     if not isinstance(name, str) or not name:
         return
     file = Path(name)
-    if not file.is_file():
+    if name not in written and not file.is_file():
         # ROS ends with an error only if no other program of the launch has written the file by then.
         what = f"{process.what}: its config_file {name} does not exist"
         findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
         return
-    document = YamlDocument(file_text(file, errors="replace"), file)
+    text = written[name] if name in written else file_text(file, errors="replace")
+    document = YamlDocument(text, file)
     entries = document.data
     if not isinstance(entries, list):
         what = f"{process.what}: its config_file is not a list of topics"

@@ -49,6 +49,7 @@ from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world,
 from drake_twin.from_launch.not_started import calls_spawn, is_window, misspelt_package, never_happened, why_not_started
 from drake_twin.from_launch.published_frames import frame_prefix, publish_frequency
 from drake_twin.from_launch.static_frames import static_frame
+from drake_twin.from_launch.written_files import WrittenFiles
 from drake_twin.ros2.launched import (
     Launched,
     LaunchedProcess,
@@ -159,6 +160,7 @@ class _Sorter:
         self._nodes: list[NodeProgram] = []
         self._happens: set[UnfiredHandler] = set()  # when a node has ended
         self._bridges: tuple[BridgeLine, ...] | None = None
+        self._written = WrittenFiles(self._processes)
         self._worlds: list[tuple[WorldStart, LaunchedProcess]] = []
 
     def entities(self) -> LaunchedEntities:
@@ -203,7 +205,7 @@ class _Sorter:
             self._drop(what, process, Kind.REFUSED_BY_ROS)
         try:
             if is_bridge(process):
-                self._bridges = (*(self._bridges or ()), *bridge_lines(process, self._findings))
+                self._bridges = (*(self._bridges or ()), *bridge_lines(process, self._findings, self._written.texts))
                 return
             requests = controller_requests(process)
             commands = published_commands(process)
@@ -218,6 +220,7 @@ class _Sorter:
             elif not (
                 is_spawner(process)
                 or is_state_publisher(process)
+                or self._written.are_by(process)
                 or (process.package, process.executable) in _BUILT_IN
                 or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
             ):

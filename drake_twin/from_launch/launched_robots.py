@@ -14,7 +14,7 @@ from drake_twin.description.included_model import included_model
 from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose
-from drake_twin.description.source_file import read_xml
+from drake_twin.description.source_file import read_xml, with_prefixes
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Weight
@@ -314,13 +314,13 @@ class LaunchedRobots:
 
     def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
         text, path = spawned_file(file, process, self._packages)
-        return _read(str(path), *included_model(text, path, self._packages)[:2])
+        return _read(str(path), *included_model(with_prefixes(text), path, self._packages)[:2])
 
     def _text_source(self, text: str) -> _Source:
         """Return a description's text as a file of the cache, at the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_file(f"robot.{suffix}", text)
-        return _read(str(path), *included_model(text, path, self._packages)[:2])
+        return _read(str(path), *included_model(with_prefixes(text), path, self._packages)[:2])
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:

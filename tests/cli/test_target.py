@@ -175,6 +175,12 @@ def test_what_is_typed_goes_before_what_the_launch_file_publishes(tmp_path):
     assert target(file, "--pub", COMMANDS, "[0, 1, 0, 0]").scenario.commands == (Command(COMMANDS, (0, 1, 0, 0)),)
 
 
+@pytest.mark.parametrize("value", [0.5, 2, True, "a text"])
+def test_a_value_that_is_typed_is_that_of_a_message_with_one_field(tmp_path, value):
+    (command,) = target(publishing(tmp_path, COMMANDS), "--pub", "/one", f"{{data: {value}}}").scenario.commands[-1:]
+    assert command == Command("/one", {"data": value})
+
+
 @pytest.mark.parametrize(
     ("topic", "data", "reason"),
     [

@@ -49,6 +49,7 @@ def test_a_current_that_is_not_finite_is_refused():
         ({"coefficients": {"xX": 1.0}}, "'xX' is not a coefficient, as xU, xUabsU, xUV or xDotU are"),
         ({"coefficients": {"xU": nan}}, "xU is nan, which is not finite"),
         ({"default_current": [1.0]}, "default_current has to have 3 numbers"),
+        ({"fluid_added_mass": [1.0] * 6}, "fluid_added_mass has to have 36 numbers"),
     ],
 )
 def test_parameters_that_are_refused(parameters, says):
@@ -78,13 +79,38 @@ def test_values_that_are_refused_with_file_and_line(tmp_path, elements, says):
 
 
 def test_coefficients_that_drive_a_link_are_named(tmp_path):
-    twin = vehicle(tmp_path, hydrodynamics(zW=2, xUabsU=3.5, yDotV=1, xU=-1, xV=1, xUU=1, yUabsV=1))
+    twin = vehicle(tmp_path, hydrodynamics(zW=2, xUabsU=3.5, yDotV=1, xU=-1, xV=1, xUV=1, yUabsV=1))
     said = [item.what.partition(": ")[2] for item in twin.findings if "SNAME" in item.what]
     assert said == [
         "<zW> is 2 and drives the link, as in gz-sim: damping is negative in SNAME's notation",
         "<xUabsU> is 3.5 and drives the link, as in gz-sim: damping is negative in SNAME's notation",
         "<yDotV> is 1 and takes mass from the link, as in gz-sim: added mass is negative in SNAME's notation",
     ]
+
+
+def test_a_force_of_one_sign_for_both_directions_is_named(tmp_path):
+    """gz-sim warns of it too: what is meant is xUabsU."""
+    twin = vehicle(tmp_path, hydrodynamics(xUU=-3, mQQ=0, nRabsR=-4, xUV=-1))
+    (said,) = (item.what.partition(": ")[2] for item in twin.findings if "one sign" in item.what)
+    assert said == "<xUU> is -3, a force of one sign for both directions, as in gz-sim: <xUabsU> has two"
+
+
+@pytest.mark.parametrize(
+    ("library", "elements", "is_braked"),
+    [
+        ("ignition-gazebo-hydrodynamics-system", {"mQQ": -5}, True),
+        ("libignition-gazebo-hydrodynamics-system.so", {"mQQ": -5, "xUV": -1}, True),
+        ("ignition-gazebo-hydrodynamics-system", {"mQQ": -5, "xUabsU": -1}, False),
+        ("gz-sim-hydrodynamics-system", {"mQQ": -5}, False),
+    ],
+)
+def test_of_fortress_a_quadratic_coefficient_takes_the_size_of_its_velocity(tmp_path, library, elements, is_braked):
+    plugin = hydrodynamics(**elements).replace("gz-sim-hydrodynamics-system", library)
+    twin = vehicle(tmp_path, plugin)
+    twin.entities.set_state("auv", angular=(0.0, -1.0, 0.0))
+    twin.advance_to(1.0)
+    assert (abs(twin.entities.state("auv").angular[1]) < 1.0) is is_braked
+    assert any("one sign" in item.what for item in twin.findings) is not is_braked
 
 
 def test_an_added_mass_that_takes_all_of_the_mass_is_refused(tmp_path):
@@ -130,3 +156,24 @@ def test_a_link_that_is_welded_to_the_world_answers_nothing(tmp_path):
     plant = twin_of(tmp_path, "").plant
     link = plant.GetBodyByName("top", plant.GetModelInstanceByName("post"))
     assert not LinkResponse(plant, [link]).own.any()
+
+
+def floating(added, more=""):
+    inertial = f"<inertial><mass>2</mass><fluid_added_mass>{added}</fluid_added_mass></inertial>"
+    return f'<model name="buoy"><link name="hull">{inertial}</link>{more}</model>'
+
+
+@pytest.mark.parametrize("more", ["", hydrodynamics(yDotV=-1)])
+def test_a_link_with_sdfs_added_mass_accelerates_as_with_that_mass_beside_a_plugins(tmp_path, more):
+    twin = twin_of(tmp_path, "<gravity>0 0 0</gravity>", 0.01, {"buoy": (floating("<yy>5</yy>", more), (0, 0, 0))})
+    twin.entities.apply_wrench("buoy", force=(0.0, 7.0, 0.0), duration=1.0)
+    twin.advance_to(1.0)
+    assert twin.entities.state("buoy").linear == pytest.approx((0.0, 7.0 / (8.0 if more else 7.0), 0.0))
+    assert not [item for item in twin.findings if "added" in item.what]
+
+
+def test_sdfs_added_mass_that_is_no_number_is_refused_with_file_and_line(tmp_path):
+    with pytest.raises(InputError) as refusal:
+        twin_of(tmp_path, "", 0.01, {"buoy": (floating("\n<yy>much</yy>"), (0, 0, 0))})
+    assert str(refusal.value).startswith(f"{tmp_path / 'buoy.sdf'}:1: ")
+    assert "<yy> of the link's added mass is 'much'" in str(refusal.value)

@@ -1,6 +1,7 @@
 """Prefixes that no file declares: urdfdom's, sdformat's and MuJoCo's readers (tinyxml2) know no namespaces."""
 
 import pytest
+from hinge import create, launched, publisher
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
@@ -42,3 +43,15 @@ def test_xacros_own_prefix_has_to_be_declared(tmp_path):
     file.write_text(f'<robot name="r">{LINK}<xacro:property name="a" value="1"/></robot>')
     with pytest.raises(InputError, match="xacro"):
         load_robot_model(str(file), PackageIndex())
+
+
+@pytest.mark.parametrize("form", ["file", "topic"])
+def test_a_launched_model_with_an_undeclared_prefix_is_spawned(tmp_path, form):
+    """As ``<sensor type="custom" gz:type="dvl">`` of underwater vehicles."""
+    inertial = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>"
+    sensor = '<sensor name="s" type="custom" gz:type="x"/>'
+    file = tmp_path / "m.sdf"
+    file.write_text(f'<sdf version="1.9"><model name="m"><link name="l">{inertial}{sensor}</link></model></sdf>')
+    given = ("-file", file) if form == "file" else ("-topic", "robot_description")
+    launch = launched(tmp_path, publisher(file), create(*given, "-name", "r"))
+    assert [robot.name for robot in launch.scenario.robots] == ["r"]

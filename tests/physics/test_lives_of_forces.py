@@ -9,7 +9,7 @@ import pytest
 from flyers import FLAP, plugin
 from multicopters import HOVER, quadcopter, speeds
 from test_airships import hull
-from waters import SEA, box, hydrodynamics, propelled, thruster
+from waters import SEA, bladder, box, hydrodynamics, propelled, thruster
 
 from drake_twin import Rewind, Twin, TwinBuilder
 from drake_twin.messages.interface_types import make
@@ -64,7 +64,9 @@ KINDS = {
     "floating": Kind(box("hull", (0.6, 1.0, 0.3), 400.0), world=SEA),
     "submarine": Kind(WATER_MODEL, {"joint/shaft/cmd_thrust": number(8.0)}, SEA, (0.5, 0.2, -0.1)),
 }
-HEIGHTS = {"floating": 0.05, "submarine": -5.0}
+GLIDER = bladder(namespace="s", max_volume=0.1, neutral_volume=0.01, max_inflation_rate=0.02)
+KINDS["glider"] = Kind(box("hull", (0.6, 1.0, 0.3), 990.0, more=GLIDER), {"buoyancy_engine": number(0.02)}, SEA)
+HEIGHTS = {"glider": -5.0, "floating": 0.05, "submarine": -5.0}
 
 
 @pytest.fixture(params=KINDS)

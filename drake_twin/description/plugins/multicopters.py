@@ -15,7 +15,7 @@ from drake_twin.description.robot_description import GazeboPlugin
 
 _MOTOR = "multicopter-motor-model-system"
 _CONTROLS = ("multicopter-control-system", "multicopter-velocity-control-system")  # its library, its class
-_RATE = 250.0  # Hz, of the joints' speeds and the control of a velocity; what a step of 4 ms and more cannot do
+_RATE = 250.0  # Hz, of the control of a velocity; what a step of 4 ms and more cannot do
 
 _TURNS = {"cw": -1, "ccw": 1}
 _ROTOR = "rotorConfiguration/rotor"
@@ -56,13 +56,13 @@ def multicopter_motor_model_system(plugin: DrivePlugin) -> GazeboDrive:
     if fellows[0] is not plugin.plugin:
         return GazeboDrive(plugin.plugin, is_part=True)
     rotors = [rotor, *(_rotor(_reader(plugin, item)) for item in fellows[1:])]
-    parameters: dict[str, Any] = {name: [item[name] for item in rotors] for name in rotor} | {"update_rate": _RATE}
+    parameters: dict[str, Any] = {name: [item[name] for item in rotors] for name in rotor}
     interfaces = tuple((joint, "velocity") for joint in parameters["joints"])
     if control is None:
         names = {"motor_speed": topic}
     else:
         reader = _reader(plugin, control)
-        parameters |= _control(reader) | {"controls_velocity": True}
+        parameters |= _control(reader) | {"controls_velocity": True, "update_rate": _RATE}
         names = {"cmd_vel": _topic(reader, "cmd_vel"), "enable": _topic(reader, "enable", "enableSubTopic")}
     return plugin.drive(
         MULTICOPTER,
@@ -70,7 +70,10 @@ def multicopter_motor_model_system(plugin: DrivePlugin) -> GazeboDrive:
         topics={own: below for own, (_, below) in names.items()},
         gz_topics={own: f"/{namespace}/{below}" for own, (namespace, below) in names.items()},
         interfaces=interfaces,
-        servos=dict.fromkeys(interfaces, Servo()),
+        servos={
+            interface: Servo(time_constant=up)
+            for interface, up in zip(interfaces, parameters["time_constants_up"], strict=True)
+        },
     )
 
 

@@ -1,9 +1,11 @@
 """The systems of gz-sim for vehicles in water and airships, as controllers that exert forces."""
 
+from collections.abc import Collection
 from typing import Any
 
-from drake_twin.description.added_mass import fluid_added_mass
+from drake_twin.description.added_mass import IMPLIED, added_mass_of, fluid_added_mass
 from drake_twin.description.gazebo_drive import (
+    BUOYANCY_ENGINE,
     EACH_STEP,
     HYDRODYNAMICS,
     LIGHTER_THAN_AIR,
@@ -25,7 +27,8 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
     link = plugin.text("link_name", "")
     if link not in plugin.description.links:
         raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
-    coefficients = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
+    written = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
+    coefficients = {_renamed(tag, written, plugin.plugin.filename): value for tag, value in written.items()}
     parameters: dict[str, object] = {
         "link_name": link,
         "coefficients": coefficients,
@@ -33,6 +36,8 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         "disable_coriolis": plugin.flag("disable_coriolis", False),
         "default_current": list(plugin.vector("default_current")),
     }
+    if (added := fluid_added_mass(plugin.description.text, link, plugin)) is not None:
+        parameters["fluid_added_mass"] = added.ravel().tolist()
     plugin.has("water_density")  # which gz-sim does not use
     space = plugin.text("namespace", "").strip("/")
     topic = f"/model/{space}/ocean_current" if space else "/ocean_current"
@@ -41,8 +46,39 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         parameters,
         topics={"ocean_current": "ocean_current" if space else "/ocean_current"},
         gz_topics={"ocean_current": topic},
-        warnings=tuple(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
+        warnings=(
+            *(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
+            *(_one_way(tag, value) for tag, value in coefficients.items() if value and _is_square(tag)),
+        ),
     )
+
+
+@gazebo_plugin(IMPLIED)
+def fluid_added_mass_of_link(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert SDF's ``<fluid_added_mass>`` of a link without a plugin about it, as Gazebo's engine has it."""
+    values = {tag: plugin.text(tag, "") for tag in plugin.plugin.elements}
+    added = added_mass_of(values, plugin)
+    return plugin.drive(HYDRODYNAMICS, {"link_name": values["link_name"], "fluid_added_mass": added.ravel().tolist()})
+
+
+def _renamed(tag: str, written: Collection[str], library: str) -> str:
+    """Return the name that a coefficient has today: Gazebo Fortress, Ignition as yet, had xUU for xUabsU.
+
+    A file with ignition's name of the library is written for Fortress, unless it has names that came after it.
+    """
+    is_of_fortress = "ignition-gazebo" in library and not any("abs" in other for other in written)
+    return f"{tag[:-1]}abs{tag[-1]}" if is_of_fortress and _is_square(tag) else tag
+
+
+def _is_square(tag: str) -> bool:
+    """Tell whether a coefficient is of the square of a velocity, whose force has one sign for both directions."""
+    axes = coefficient_name(tag)
+    return axes is not None and not axes.is_absolute and axes.other == axes.velocity
+
+
+def _one_way(tag: str, value: float) -> str:
+    size = f"<{tag[:-1]}abs{tag[-1]}>"
+    return f"<{tag}> is {value:g}, a force of one sign for both directions, as in gz-sim: {size} has two"
 
 
 def _brakes(tag: str) -> bool:
@@ -119,6 +155,45 @@ def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
         interfaces=((joint, "velocity"),),
         servos={(joint, "velocity"): Servo() if is_direct else Servo(gain)},
         warnings=tuple(warnings),
+    )
+
+
+# Element → gz-sim's default.
+_OF_BLADDER = {
+    "min_volume": 3e-5,
+    "max_volume": 9.9e-4,
+    "neutral_volume": 3e-4,
+    "max_inflation_rate": 3e-6,
+    "fluid_density": 1000.0,
+}
+_FIRST_VOLUME = 3e-5  # m³, which gz-sim approaches from the smallest one where the file has no other
+
+
+@gazebo_plugin("gz-sim-buoyancy-engine-system")
+def buoyancy_engine_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-buoyancy-engine-system``: a bladder to rise and dive with."""
+    link = plugin.text("link_name", "")
+    if link not in plugin.description.links:
+        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    parameters: dict[str, Any] = {tag: plugin.number(tag, default) for tag, default in _OF_BLADDER.items()}
+    for tag in ("max_inflation_rate", "fluid_density"):
+        if parameters[tag] < 0.0:
+            raise plugin.error(f"<{tag}> is {parameters[tag]:g}, and has to be zero or more")
+    if parameters["max_volume"] < parameters["min_volume"]:
+        raise plugin.error("<max_volume> is less than <min_volume>")
+    has_own = plugin.has("default_volume")
+    first = plugin.number("default_volume", parameters["min_volume"])
+    parameters |= {"link_name": link, "default_volume": first, "first_target": first if has_own else _FIRST_VOLUME}
+    if plugin.has("surface"):
+        parameters["surface"] = plugin.number("surface", 0.0)
+    space = plugin.text("namespace", "").strip("/")
+    gz = f"/model/{space}/buoyancy_engine" if space else "/buoyancy_engine"
+    ros = "buoyancy_engine" if space else "/buoyancy_engine"
+    return plugin.drive(
+        BUOYANCY_ENGINE,
+        parameters,
+        topics={"buoyancy_engine": ros, "current_volume": f"{ros}/current_volume"},
+        gz_topics={"buoyancy_engine": gz, "current_volume": f"{gz}/current_volume"},
     )
 
 
