@@ -105,7 +105,7 @@ def built(folder: Path, step: float | str, robots: dict[str, tuple[Any, ...]], *
 
 
 def tank_twin(
-    folder: Path, step: float | str = 0.001, pose: tuple[tuple[float, ...], ...] = ((0, 0, 1e-4),), **world: Any
+    folder: Path, step: float | str = 0.001, pose: tuple[tuple[float, ...], ...] = ((0, 0, 0),), **world: Any
 ) -> Twin:
     """A twin with a vehicle, which stands on the ground, forwards along x, if nothing else is said."""
     return built(folder, step, {"tank": (tank(), *pose)}, **world)

@@ -11,6 +11,7 @@ from typing import Any
 
 from drake_twin.description.gazebo_drive import GAZEBO_PLUGINS
 from drake_twin.description.gazebo_plugins import DONE_HERE, class_kind
+from drake_twin.description.unread import WHY_ABSENT
 from drake_twin.description.world_plugins import WORLD_PLUGINS
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, read_wrench_systems
 
@@ -43,14 +44,14 @@ What becomes of a `<plugin>` of a robot or a world that is one of gz-sim's own s
 
 - *runs*: as upstream's sources do it, under the names of its elements and topics;
 - *provided*: the twin does its work without it;
-- *a finding*: it is named with its file and line, and nothing else happens.
+- *a finding*: it is named with its file and line, in some cases with a reason, and nothing else happens.
 
 The files are those of `drake_twin/description/plugins/`, which name the controller or the force of the world, or of
 the folder above it.
 
 {numbers}. This page is written by `python -m drake_twin.description.docs`.
 
-| system | here | what it becomes | file | tests |
+| system | here | what it becomes, or why not | file | tests |
 |---|---|---|---|---|
 """
 
@@ -80,6 +81,8 @@ def systems_page(tests: Path) -> str:
         if convert is not None:
             what, file = _outcome(convert), f"`{_file(convert)}`"
             held = ", ".join(f"`{test.name}`" for test in _about(kind, texts))
+        elif kind not in DONE_HERE:
+            what = next((why for part, why in WHY_ABSENT.items() if part in kind), "")
         rows.append(f"| {name} | {support} | {what} | {file} | {held} |")
     runs, provided, findings = (numbers[support] for support in ("runs", "provided", "a finding"))
     total = f"Of {numbers.total()} {runs} run, {provided} are provided, {findings} are findings"

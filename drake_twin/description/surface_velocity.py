@@ -1,6 +1,11 @@
 """Whether Drake has surfaces that move along their body, as those of belts and tracks."""
 
 from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import RigidBody
 
 # Its first release with them has no wheel for an older Python.
 NEEDS = "a moving surface needs Drake 1.56 or newer, which needs Python 3.12 or newer"
@@ -12,3 +17,8 @@ def has_surface_velocity() -> bool:
     from pydrake.multibody.plant import MultibodyPlant
 
     return hasattr(MultibodyPlant, "SetSurfaceVelocityAxis")
+
+
+def has_moving_surface(plant: "MultibodyPlant", body: "RigidBody") -> bool:
+    """Tell whether the surface of a plant's body can move."""
+    return has_surface_velocity() and plant.GetSurfaceVelocityAxis(body) is not None

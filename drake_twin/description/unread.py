@@ -33,9 +33,18 @@ from drake_twin.findings import Cause, Finding, Kind, merged
 
 _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its name, and where it stands or why
 
+# A part of a library's name → why the twin does not do what gz-sim's system does.
+WHY_ABSENT = {
+    "wind": "the wind is that of the world, where gz-sim's WindEffects can let it change",
+    **dict.fromkeys(
+        ("wheel-slip", "wheelslip"),
+        "friction in Drake does not give way in proportion to its force; wheels stick up to the friction's limit",
+    ),
+}
+
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
-    "wind": "the wind is that of the world, where gz-sim's WindEffects can let it change",
+    **WHY_ABSENT,
     "battery": "the twin has no batteries",
 }
 

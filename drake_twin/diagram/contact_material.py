@@ -5,12 +5,10 @@ from math import pi
 
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
-    AddCompliantHydroelasticPropertiesForHalfSpace,
     AddContactMaterial,
     AddRigidHydroelasticProperties,
     Convex,
     Cylinder,
-    HalfSpace,
     ProximityProperties,
     SceneGraphConfig,
     Shape,
@@ -94,15 +92,11 @@ def candidates(
     """
     if soft is not None and gradient is not None:
         properties = _material(shape, friction)
-        modulus, depth = gradient * (soft.depth or 1.0), soft.depth or 1.0
-        if isinstance(soft.shape, HalfSpace):
-            AddCompliantHydroelasticPropertiesForHalfSpace(
-                slab_thickness=depth, hydroelastic_modulus=modulus, properties=properties
-            )
-        else:
-            AddCompliantHydroelasticProperties(
-                resolution_hint=_resolution(soft.shape), hydroelastic_modulus=modulus, properties=properties
-            )
+        AddCompliantHydroelasticProperties(
+            resolution_hint=_resolution(soft.shape),
+            hydroelastic_modulus=gradient * (soft.depth or 1.0),
+            properties=properties,
+        )
         properties.AddProperty("hydroelastic", "margin", 0.0)
         yield True, properties
     elif soft is not None:

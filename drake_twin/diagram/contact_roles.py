@@ -29,7 +29,6 @@ from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group, Part, has_short_steps
-from drake_twin.diagram.hard_tracks import hard_track, yielding_ground
 from drake_twin.diagram.yielding_shapes import hard, yielding
 from drake_twin.errors import InputError
 
@@ -78,6 +77,7 @@ class _Class(NamedTuple):
     is_loose: bool
     part: Part
     is_track: bool
+    is_plane: bool
 
 
 def usual_role(shape: ContactShape) -> str:
@@ -110,6 +110,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             shape.is_loose,
             shape.part,
             shape.is_track,
+            isinstance(shape.shape, HalfSpace),
         )
         for shape in shapes
     ]
@@ -127,7 +128,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             assert one.group is not None
             assert other.group is not None
             roles = (SOFT, HARD) if one.group < other.group else (HARD, SOFT)
-        elif set(roles) == {SOFT, STATIC} and (one.is_track or other.is_track):
+        elif set(roles) == {SOFT, STATIC} and (one.is_track or other.is_track) and not (one.is_plane or other.is_plane):
             roles = (BELT, GROUND) if one.is_track else (GROUND, BELT)
         level = min(one.friction, other.friction)
         needs[one].add(Variant(level, roles[0], level))
@@ -204,7 +205,10 @@ class Registry:
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
             soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD, BELT)
-            soft = yielding_ground(shape) if variant.role == GROUND else soft
+            if variant.role in (BELT, GROUND):
+                from drake_twin.diagram.hard_tracks import hard_track, yielding_ground
+
+                soft = yielding_ground(shape) if variant.role == GROUND else None
             form = shape.shape if soft is None else soft.shape
             if variant.role == HARD and not shape.is_loose:
                 form = hard(shape, is_fine=not has_short_steps(self._plant))
@@ -273,7 +277,10 @@ class Registry:
         self._exclude_within([*roles[BELT]])
         others = [item for role, items in roles.items() if role not in (BELT, GROUND) for item in items]
         self._exclude_between([*roles[BELT], *roles[GROUND]], others)
-        self._exclude_between([item for item in roles[SOFT] if item.shape.is_track and roles[BELT]], roles[STATIC])
+        self._exclude_between(
+            [item for item in roles[SOFT] if item.shape.is_track and roles[BELT]],
+            [item for item in roles[STATIC] if not isinstance(item.shape.shape, HalfSpace)],
+        )
         groups = sorted({*soft, *hard})
         for index, group in enumerate(groups):
             self._exclude_between(hard[group], [item for heavier in groups[index:] for item in soft[heavier]])

@@ -24,8 +24,8 @@ from pydrake.multibody.tree import RigidBody
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
+from drake_twin.description.surface_velocity import has_moving_surface
 from drake_twin.diagram.contact_models import ContactModel
-from drake_twin.diagram.surfaces import has_moving_surface
 from drake_twin.diagram.wheels import WheelFinder
 from drake_twin.scenario import POINT
 

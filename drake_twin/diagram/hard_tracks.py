@@ -1,20 +1,19 @@
 """The shapes of tracks and of the ground where the two meet: the tracks are hard, and the ground yields.
 
 The facets where a hard and a yielding shape meet are the hard one's. Were the track soft, they would be the ground's,
-and at the edge of a stair half of them would stand across the track, which slides into them: they would brake it.
+and at the edge of a stair half of them would stand across the track, which slides into them: they would brake it. A
+plane has no edges, and stays hard: Drake 1.58 fails where the corners of a hard mesh are just on a plane that yields.
 """
 
 from collections.abc import Iterable
 
 from pydrake.common import MemoryFile
-from pydrake.geometry import Box, Cylinder, HalfSpace, InMemoryMesh, Mesh, Shape
+from pydrake.geometry import Box, Cylinder, InMemoryMesh, Mesh, Shape
 
 from drake_twin.diagram.contact_material import usual_stiffness
 from drake_twin.diagram.contact_shapes import ContactShape, extent_of
 from drake_twin.diagram.track_shapes import hard_box
 from drake_twin.diagram.yielding_shapes import Yielding, hard
-
-_SLAB = 1.0  # m, how deep the pressure rises below a plane
 
 
 def hard_track(shape: ContactShape) -> Shape:
@@ -28,8 +27,6 @@ def hard_track(shape: ContactShape) -> Shape:
 def yielding_ground(shape: ContactShape) -> Yielding:
     """Return a static shape as one that yields."""
     form = shape.shape
-    if isinstance(form, HalfSpace):
-        return Yielding(form, _SLAB)
     if isinstance(form, Cylinder):
         return Yielding(form, min(form.radius(), form.length() / 2))
     return Yielding(form, float(extent_of(form).min()) / 2)

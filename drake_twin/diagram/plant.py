@@ -12,6 +12,8 @@ from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, Multibody
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.controllers.registry import controller_class
+from drake_twin.controllers.surface_controller import SurfaceController
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
@@ -27,7 +29,6 @@ from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake,
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
-from drake_twin.diagram.surfaces import give_surfaces
 from drake_twin.diagram.world_in_plant import add_world, remove_actuators
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -184,7 +185,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     with captured_warnings() as messages:
         (instance,) = parse_robot(plant, plan)
     texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
-    give_surfaces(plant, plan, instance)
+    _give_surfaces(plant, plan, instance)
     remove_actuators(plant, [instance])  # here only commanded joints have one
     plant.set_gravity_enabled(instance, plan.model.falls)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
@@ -217,6 +218,16 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
         root = plant.GetBodyByName(plan.model.root_body, instance)
         plant.WeldFrames(plant.world_frame(), root.body_frame(), plan.spawn_pose.transform())
     return instance
+
+
+def _give_surfaces(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex) -> None:
+    """Give a robot's links the surfaces that its controllers move."""
+    for item in plan.controllers:
+        kind = None if item.problem is not None else controller_class(item.type)
+        if kind is not None and issubclass(kind, SurfaceController):
+            for link, axis in kind.surfaces(item.parameters).items():
+                body = plant.GetBodyByName(drake_link_name(link), instance)
+                plant.SetSurfaceVelocityAxis(body, np.array(axis))
 
 
 def _is_braked(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex, joint: Joint) -> bool:

@@ -2,38 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 
-from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.surface_controller import SurfaceController
 from drake_twin.description.drake_urdf import drake_link_name
-from drake_twin.description.surface_velocity import has_surface_velocity
 from drake_twin.findings import Finding, Kind
-from drake_twin.planning.robot_plan import RobotPlan
-
-
-def give_surfaces(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex) -> None:
-    """Give a robot's links the surfaces that its controllers move.
-
-    Args:
-        plant: The plant, not yet finalized; it is changed.
-        plan: The robot.
-        instance: Its model instance.
-    """
-    for item in plan.controllers:
-        kind = None if item.problem is not None else controller_class(item.type)
-        if kind is not None and issubclass(kind, SurfaceController):
-            for link, axis in kind.surfaces(item.parameters).items():
-                body = plant.GetBodyByName(drake_link_name(link), instance)
-                plant.SetSurfaceVelocityAxis(body, np.array(axis))
-
-
-def has_moving_surface(plant: MultibodyPlant, body: RigidBody) -> bool:
-    """Tell whether a controller moves the surface of a body."""
-    return has_surface_velocity() and plant.GetSurfaceVelocityAxis(body) is not None
+from drake_twin.systems.surface_speeds import SurfaceSpeeds
 
 
 def move_surfaces(
@@ -51,8 +27,6 @@ def move_surfaces(
     Yields:
         What keeps them from it.
     """
-    if not controllers:
-        return
     names = []
     for instance, controller, _ in controllers:
         links = controller.surfaces(controller.setup.parameters)
@@ -64,8 +38,6 @@ def move_surfaces(
         moved = ", ".join(controller.setup.name for _, controller, _ in controllers)
         yield Finding(Kind.NOT_STARTED, f"{what}: {moved} moves no surface")
         return
-    from drake_twin.systems.surface_speeds import SurfaceSpeeds
-
     system = builder.AddNamedSystem("surface_speeds", SurfaceSpeeds(names))
     for number, (_, _, speeds) in enumerate(controllers):
         builder.Connect(speeds, system.get_input_port(number))

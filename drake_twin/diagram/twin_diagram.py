@@ -23,17 +23,15 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
-from drake_twin.diagram.surfaces import move_surfaces
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.wind import add_wind
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
-from drake_twin.planning.performers import Detection, plan_detection
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
-from drake_twin.planning.triggers import OwnedTrigger, about_triggers, plan_triggers
+from drake_twin.planning.triggers import OwnedTrigger, about_triggers, is_noticing, plan_triggers
 from drake_twin.planning.world_sensors import ModelPlan, plan_models
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
@@ -44,6 +42,7 @@ from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, Robo
 
 if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.planning.performers import Detection
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class TwinDiagram:
         shapes: The contact of each collision shape.
         detachable_joints: The joints that come and go.
         triggers: What publishes messages when it hears one.
-        detection: What notices performers and touches.
+        detection: What notices performers and touches; None without any.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -87,7 +86,7 @@ class TwinDiagram:
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
     triggers: tuple[OwnedTrigger, ...]
-    detection: Detection
+    detection: "Detection | None"
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
     renderer: LazyRenderer
@@ -258,13 +257,20 @@ def _build(
     _name_unnamed(added)
     about_forces = tuple(apply_forces(builder, parts, plans, robots, world_file, surroundings.wind))
     surfaces = [(parts.robots[name].instance, *item) for name, robot in robots.items() for item in robot.surfaces()]
-    about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
+    if surfaces:
+        from drake_twin.diagram.surfaces import move_surfaces
+
+        about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
-    detection = plan_detection(plans, models, world_file, scenario.world.bridged or {})
+    detection = None
+    if is_noticing(plans, world_file):
+        from drake_twin.planning.performers import plan_detection
+
+        detection = plan_detection(plans, models, world_file, scenario.world.bridged or {})
     types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()
@@ -300,7 +306,7 @@ def _build(
             *parts.findings,
             *about_forces,
             *about_triggers(triggers, *types),
-            *detection.findings,
+            *(() if detection is None else detection.findings),
         ),
     )
 

@@ -30,7 +30,6 @@ from drake_twin.description.hull import corners_of, planes_of, without_slivers
 from drake_twin.description.mesh_triangles import hull_name
 from drake_twin.diagram.contact_shapes import ContactShape
 from drake_twin.diagram.tetrahedra import Polygon, is_closed, tetrahedra_of, vtk_text
-from drake_twin.diagram.track_shapes import soft_box
 
 _NAME, _HARD_NAME = "yielding shape", "hard shape"
 _SQUARES = 3  # along the sides of a box
@@ -80,6 +79,8 @@ def yielding(shape: ContactShape) -> Yielding:
     """Return a shape as one whose faces yield: a hull or a box becomes a fine mesh of itself."""
     form, longest = shape.shape, _LONGEST_OF_TRACK if shape.is_track else _LONGEST
     if shape.is_track and isinstance(form, Box):
+        from drake_twin.diagram.track_shapes import soft_box
+
         return Yielding(_mesh(soft_box(*form.size().tolist())), None)
     if isinstance(form, Convex):
         source, scale, name = form.source(), tuple(form.scale3().tolist()), _NAME

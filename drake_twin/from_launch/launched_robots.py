@@ -145,13 +145,14 @@ class LaunchedRobots:
             self._drop(f"{robot.process.what}: the world has a model named {robot.name!r} already", robot.process)
         if world.process is None or not world.robots:
             return
-        if self.only_displayed:
+        if self.only_displayed and not all(model.is_static for model in world.robots):
             self.robots.clear()
         for model in world.robots:
             assert model.robot is not None
             path = lasting_file(model.robot.file, model.robot.text)
             source = _read(str(path), model.robot.text, path)
-            publisher = self._publishers[0] if len(self._publishers) == 1 else None
+            is_described = len(self._publishers) == 1 and not model.is_static  # a conveyor is nobody's description
+            publisher = self._publishers[0] if is_described else None
             self._add(model.name, source, world.process, model.pose, publisher, "")
 
     def _try(self, make: Any, process: LaunchedProcess) -> None:

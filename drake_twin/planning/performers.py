@@ -7,12 +7,12 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import PERFORMER_DETECTOR, PERFORMERS, of_model
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.touches import OwnedTouch, plan_touches
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
     from drake_twin.description.performers import Performer, PerformerDetector
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.planning.touches import OwnedTouch
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Detection:
 
     performers: "tuple[Performer, ...]" = ()
     detectors: tuple[OwnedDetector, ...] = ()
-    touches: tuple[OwnedTouch, ...] = ()
+    touches: "tuple[OwnedTouch, ...]" = ()
     findings: tuple[Finding, ...] = ()
 
 
@@ -63,6 +63,8 @@ def plan_detection(
         world_file: The content of the world file.
         bridged: Topic in gz → topic in ROS; others have the same name in both.
     """
+    from drake_twin.planning.touches import plan_touches
+
     plans = tuple(plans)
     plugins = () if world_file is None else world_file.plugins
     performers: list[Performer] = [

@@ -5,7 +5,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.dataclass import dataclass
-from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, TRIGGERED_PUBLISHER, of_model
+from drake_twin.description.gazebo_drive import (
+    PERFORMER_DETECTOR,
+    PERFORMERS,
+    TOUCH_PLUGIN,
+    TRIGGERED_PUBLISHER,
+    of_model,
+)
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import is_same_topic
@@ -36,6 +42,13 @@ class OwnedTrigger:
     number: int
     trigger: "Trigger"
     topics: tuple[str, ...]
+
+
+def is_noticing(plans: Iterable[RobotPlan], world_file: "WorldFile | None") -> bool:
+    """Tell whether performers or touches are noticed, as `drake_twin.planning.performers.plan_detection` plans it."""
+    kinds = {PERFORMERS, PERFORMER_DETECTOR, TOUCH_PLUGIN}
+    is_asked = world_file is not None and any(plugin.type in kinds for plugin in world_file.plugins)
+    return is_asked or any(plan.detectors or plan.touches for plan in plans)
 
 
 def plan_triggers(

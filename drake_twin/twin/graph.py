@@ -3,13 +3,13 @@
 import logging
 from collections.abc import Callable
 from math import ceil
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydrake.systems.framework import Context, Diagram, OutputPort
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
-from drake_twin.errors import CommandError, InputError
+from drake_twin.errors import CommandError, InputError, TwinError
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages import Numbers, float64_multi_array, message
 from drake_twin.messages.draft import Draft, LaterDraft
@@ -19,7 +19,6 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
 from drake_twin.twin.event_topics import EventTopic, EventTopics
 from drake_twin.twin.group import Group
-from drake_twin.twin.model_requests import ModelRequests
 from drake_twin.twin.owner import any_thread
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
@@ -27,6 +26,9 @@ from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
 from drake_twin.twin.world_topics import WorldTopics
 from drake_twin.values import is_number
+
+if TYPE_CHECKING:
+    from drake_twin.description.gz_requests import GzRequest
 
 _log = logging.getLogger(__name__)
 _END = "the end of a subscription"
@@ -310,10 +312,15 @@ class Graph(Group, path="twin.graph"):
     def feed(self, subscriptions: Subscriptions) -> None:
         """Let subscriptions take their messages from here, and triggers give theirs."""
         self._session.triggers.publish = self.deliver
-        self._session.triggers.request = ModelRequests(self._session, self._stepper, self._recorder).do
+        self._session.triggers.request = self._request
         subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
         subscriptions.read, subscriptions.publication, subscriptions.draft = self._read, self._publication, self._draft
         subscriptions.use(self._session.clock.time_step)  # hears the ports of those that there are already
+
+    def _request(self, request: "GzRequest", refuse: Callable[[TwinError], None]) -> None:
+        from drake_twin.twin.model_requests import ModelRequests
+
+        ModelRequests(self._session, self._stepper, self._recorder).do(request, refuse)
 
     def _publication(self, topic: str, reading: Reading) -> Any:
         item = self._session.physics.built.published.get(topic)

@@ -53,7 +53,8 @@ class ModelRequests(Group):
             for pose in request.poses:
                 attempt(partial(self._set_pose, entities, pose))
         elif isinstance(request, EnableTouch):
-            self._session.reactions.touches.enable(request)
+            if (touches := self._session.reactions.touches) is not None:
+                touches.enable(request)
         elif isinstance(request, ControlWorld):
             if request.resets:
                 self._session.between_advances(self._reset)
@@ -98,7 +99,9 @@ class ModelRequests(Group):
     def _deploy(self, entities: Entities, request: Deploy) -> None:
         """Drop a model, and tell how many are left."""
         session = self._session
-        count = session.deployments.count(request)
+        dropped = session.reactions.deployments
+        assert dropped is not None  # as a trigger requests it
+        count = dropped.count(request)
         if request.most is None or count < request.most:
             name = f"{request.name}_{count}"
             if request.may_be_renamed:
@@ -109,8 +112,8 @@ class ModelRequests(Group):
             pose = Pose.of(X_WM @ request.pose.transform())
             file = str(lasting_file(f"{name}.sdf", as_expanded(request.text)))
             unrecorded(entities.spawn, Robot(name, file, xyz=pose.xyz, rpy=pose.rpy))
-            session.deployments.note(request, name)
-        session.deployments.tell(request)
+            dropped.note(request, name)
+        dropped.tell(request)
 
     def _fix(self, name: str) -> None:
         """Fix a model to the world."""

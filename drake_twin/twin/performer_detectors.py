@@ -13,7 +13,7 @@ from pydrake.math import RigidTransform
 from drake_twin import messages
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages.interface_types import make
-from drake_twin.planning.performers import OwnedDetector
+from drake_twin.planning.performers import Detection, OwnedDetector
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
 from drake_twin.twin.event_topics import EventTopics
@@ -50,9 +50,8 @@ class PerformerDetectors:
         self._frames: dict[str, ModelFrame] = {}
         self._halves: dict[str, np.ndarray] = {}
 
-    def use(self, built: TwinDiagram) -> None:
+    def use(self, built: TwinDiagram, detection: Detection) -> None:
         """Switch to a newly built diagram; what is inside a region stays so if both are still there."""
-        detection = built.detection
         self._halves = {item.model: np.array(item.size) / 2 for item in detection.performers}
         self._detectors = detection.detectors if self._halves else ()
         self.is_watching = bool(self._detectors)

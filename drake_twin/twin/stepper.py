@@ -103,7 +103,8 @@ class Stepper:
                         session.events.deliver()
                     if self.paused or session.alarm.requests:
                         break
-                if session.deployments.moving and session.deployments.fix_due(session.triggers.request):
+                dropped = session.reactions.deployments
+                if dropped is not None and dropped.fix_due(session.triggers.request):
                     break
                 if clock.next_time_step is not None and self.change_time_step():
                     target = step_at(end, clock.time_step)
@@ -272,8 +273,8 @@ class Stepper:
         ]
         if session.triggers.pending:
             due += session.triggers.due_steps()
-        if session.deployments.moving:
-            due += session.deployments.due_steps()
+        if session.reactions.deployments is not None:
+            due += session.reactions.deployments.due_steps()
         if session.wrenches.items or session.wrenches.pushes:
             due += session.wrenches.due_steps(clock)
         if (change := clock.change_step()) is not None:

@@ -11,6 +11,7 @@ from typing import Any
 from drake_twin.description.touches import EnableTouch
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages.interface_types import make
+from drake_twin.planning.performers import Detection
 from drake_twin.planning.touches import OwnedTouch
 from drake_twin.sensors.contact import ContactSensor
 from drake_twin.sensors.sensor_host import SensorHost, sensor_hosts
@@ -46,10 +47,10 @@ class TouchDetectors:
         self._looking: dict[Key, float | None] = {}  # those that look → since when they touch (s)
         self._sensors: dict[Key, list[tuple[SensorHost, ContactSensor]]] = {}
 
-    def use(self, built: TwinDiagram) -> None:
+    def use(self, built: TwinDiagram, detection: Detection) -> None:
         """Switch to a newly built diagram; what is touched stays so."""
         known = self._detectors
-        self._detectors = {(item.model, item.number): item for item in built.detection.touches}
+        self._detectors = {(item.model, item.number): item for item in detection.touches}
         for key, item in self._detectors.items():
             if key not in known and item.detector.is_enabled:
                 self._looking[key] = None

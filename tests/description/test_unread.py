@@ -91,6 +91,22 @@ def test_the_same_at_several_places_is_said_once_with_its_lines():
     ]
 
 
+@pytest.mark.parametrize(
+    "plugin",
+    [
+        'filename="gz-sim-wheel-slip-system" name="w"',
+        'filename="libgz-sim8-wheel-slip-system.so" name="gz::sim::systems::WheelSlip"',
+        'filename="x.so" name="gz::sim::systems::WheelSlip"',
+    ],
+)
+def test_what_drake_cannot_do_is_said_with_the_reason(plugin):
+    text = f"""<robot name="r"><link name="base"/>
+<gazebo><plugin {plugin}><wheel link_name="base"/></plugin></gazebo></robot>"""
+    (said,) = map(str, unread_in_urdf(XmlReader(text)))
+    assert "friction in Drake does not give way in proportion to its force" in said
+    assert said.endswith("(line 2)")
+
+
 def lost(tmp_path, body):
     """What becomes of a robot's file that is not used, with its lines."""
     file = tmp_path / "robot.urdf"

@@ -49,6 +49,26 @@ def test_a_model_with_a_drive_is_a_robot(tmp_path):
     assert (x - 1.0, y - 2.0) == pytest.approx((0.5 * 0.8776, 0.5 * 0.4794), abs=0.02)
 
 
+BELT = """<static>1</static><plugin filename="gz-sim-track-controller-system" name="gz::sim::systems::TrackController">
+<link>base_link</link></plugin>"""
+PUBLISHER = """<node pkg="robot_state_publisher" exec="robot_state_publisher">
+<param name="frame_prefix" value="shown/"/>
+<param name="robot_description" value="&lt;robot name='shown'&gt;&lt;link name='top'/&gt;&lt;/robot&gt;"/></node>"""
+
+
+def test_a_belt_of_the_world_is_a_robot_beside_those_of_the_launch_file(tmp_path):
+    models = GROUND + BASE.format(name="conveyor", pose=POSE, plugin=BELT)
+    scenario = launched(tmp_path, models, CREATE.format(name="rover") + PUBLISHER).scenario
+    assert {robot.name: robot.frame_prefix for robot in scenario.robots} == {"conveyor": "", "rover": "shown/"}
+    assert scenario.world.without_models == ("conveyor",)
+
+
+def test_a_robot_that_is_only_displayed_stays_beside_a_belt_of_the_world(tmp_path):
+    models = GROUND + BASE.format(name="conveyor", pose=POSE, plugin=BELT)
+    launch = launched(tmp_path, models, PUBLISHER)
+    assert sorted(robot.name for robot in launch.scenario.robots) == ["conveyor", "shown"]
+
+
 def test_a_world_of_someone_elses_machine_is_found_in_the_package_its_folders_are_named_after(tmp_path):
     share = write_package(tmp_path, "rooms")
     room = write(share / "worlds" / "room.sdf", f'<sdf version="1.9"><world name="w">{GROUND}</world></sdf>')

@@ -70,6 +70,21 @@ def test_it_turns_where_the_friction_of_its_tracks_has_no_moment(tmp_path, step,
     assert np.hypot(*velocity(twin)[:2]) == pytest.approx(speed, rel=0.01, abs=1e-4)
 
 
+FLOOR = f"""<sdf version="1.9"><world name="w"><model name="floor"><static>1</static><pose>0 0 -0.05 0 0 0</pose>
+<link name="l"><collision name="c"><geometry>{box(5, 5, 0.1)}</geometry></collision></link></model></world></sdf>"""
+
+
+@moving
+def test_it_turns_on_a_box_as_on_a_plane(tmp_path, step):
+    """Boxes yield to tracks, and planes do not."""
+    (tmp_path / "floor.sdf").write_text(FLOOR)
+    twin = tank_twin(tmp_path, step, file=str(tmp_path / "floor.sdf"), ground=False)
+    tracks(twin, -0.1, 0.1)
+    twin.advance_to(0.4)
+    assert turning(twin) == pytest.approx(steady_turn(-0.1, 0.1)[1], rel=0.01)
+    assert height(twin) == pytest.approx(HEIGHT / 2, abs=1e-4)
+
+
 @moving
 def test_a_turn_is_as_fast_as_the_efficiency_makes_its_tracks(tmp_path):
     """Its tracks run at ±ω b / 2 e, which turn it at the rate of that."""
@@ -175,7 +190,7 @@ def test_a_vehicle_that_is_spawned_beside_another_drives_and_leaves_it_be(tmp_pa
 
 
 def test_a_drake_without_moving_surfaces_lets_it_stand_and_one_finding_says_why(tmp_path, monkeypatch):
-    for module in ("description.plugins.tracks", "controllers.surface_controller", "diagram.surfaces"):
+    for module in ("description.plugins.tracks", "controllers.surface_controller", "description.surface_velocity"):
         monkeypatch.setattr(f"drake_twin.{module}.has_surface_velocity", lambda: False)
     stands_still(tank_twin(tmp_path))
 
