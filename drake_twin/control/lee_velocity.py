@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drake_twin.control.cross_product import cross
 from drake_twin.dataclass import dataclass
 
 _PARALLEL = 1e-3  # the square of the sine between two directions
@@ -117,10 +118,10 @@ class LeeVelocity:
         self, R_WB: np.ndarray, rates: np.ndarray, yaw_rate: float, wanted: np.ndarray
     ) -> np.ndarray:
         up = -wanted / np.linalg.norm(wanted)
-        across = (np.cross(up, R_WB[:, axis]) for axis in range(3))
+        across = cross(up[None, :], R_WB.T)
         left = next(side for side in across if side.dot(side) >= _PARALLEL)
-        left /= np.linalg.norm(left)
-        desired = np.column_stack([np.cross(left, up), left, up])
+        left = left / np.linalg.norm(left)
+        desired = np.array([*cross(left[None, :], up[None, :]), left, up]).T
         twist = 0.5 * (desired.T @ R_WB - R_WB.T @ desired)
         angles = np.array([twist[2, 1], twist[0, 2], twist[1, 0]])
         errors = rates - R_WB.T @ desired @ (0.0, 0.0, yaw_rate)

@@ -4,6 +4,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -30,6 +31,8 @@ _TRIANGLE = {".stl": b"endfacet", ".obj": b"\nf "}
 _MANY_BYTES_OF_TEXT = 100_000_000
 
 _NOT_FINITE = re.compile(rb"(?i)[\s>][+-]?(nan|inf)")  # a number, in XML
+_IMAGE = re.compile(rb"""<image\b[^>]*?\bid=["']([^"']*)["']""")
+_IMAGE_OF_SURFACE = re.compile(rb"<surface\b[^>]*>\s*<init_from\b[^>]*>([^<]*)</init_from>")
 _DECIMATE = "decimate it, in Blender or MeshLab for example"
 
 # Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
@@ -98,9 +101,13 @@ def read_scene(file: Path) -> tuple[Any, int]:
     with reading(file):
         if file.suffix.lower() in (".gltf", ".glb"):
             check_gltf(file)
+        mended = None
         if file.suffix.lower() == ".dae":
             _check_corners_of_dae(file)
-        scene = trimesh.load_scene(file, resolver=_resolver(file), process=False)
+            mended = _with_all_images(file)
+        source = file if mended is None else BytesIO(mended)
+        kind = None if mended is None else "dae"
+        scene = trimesh.load_scene(source, file_type=kind, resolver=_resolver(file), process=False)
         unplaced = 0
         for geometry in scene.geometry.values():
             if len(getattr(geometry, "faces", ())):
@@ -137,6 +144,27 @@ def _check_corners_of_dae(file: Path) -> None:
         source = numbers.getparent()
         if source is not None and source.get("id") in sources and _NOT_FINITE.search(etree.tostring(numbers)):
             raise InputError("the mesh has a corner that is not a finite point", file=file)
+
+
+def _with_all_images(file: Path) -> bytes | None:
+    """Return a DAE file with an image for each that a texture names by its file alone; None where none does.
+
+    The reader of COLLADA leaves out such a material, and with it the triangles that have it.
+    """
+    content = file.read_bytes()
+    images = set(_IMAGE.findall(content))
+    unknown = sorted({name.strip() for name in _IMAGE_OF_SURFACE.findall(content)} - images)
+    if not unknown:
+        return None
+    root = etree.fromstring(content, etree.XMLParser(huge_tree=True))
+    kind = etree.QName(root).namespace
+    library = root.find("{*}library_images")
+    if library is None:
+        library = etree.SubElement(root, etree.QName(kind, "library_images"))
+    for name in unknown:
+        image = etree.SubElement(library, etree.QName(kind, "image"), id=name.decode(errors="replace"))
+        etree.SubElement(image, etree.QName(kind, "init_from")).text = name.decode(errors="replace")
+    return etree.tostring(root)
 
 
 def single_mesh(scene: Any, file: Path) -> Any:

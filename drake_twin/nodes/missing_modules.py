@@ -23,7 +23,18 @@ _DISTRIBUTIONS = {
     "yaml": "pyyaml",
     **{
         name: name
-        for name in ("matplotlib", "pandas", "py_trees", "pynput", "scipy", "torch", "transforms3d", "ultralytics")
+        for name in (
+            "bresenham",
+            "dearpygui",
+            "matplotlib",
+            "pandas",
+            "py_trees",
+            "pynput",
+            "scipy",
+            "torch",
+            "transforms3d",
+            "ultralytics",
+        )
     },
 }
 

@@ -173,6 +173,24 @@ def test_a_texture_in_the_folder_of_materials_is_carried_too(tmp_path, suffix):
     assert picture_in(gltf).convert("RGB").getpixel((0, 0)) == (255, 0, 0)
 
 
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_texture_that_names_its_file_and_no_image_leaves_the_triangles_there(tmp_path, is_there):
+    """A material that cannot be read took its triangles with it."""
+    write_textured_obj(tmp_path)
+    if not is_there:
+        (tmp_path / "paint.png").unlink()
+    surface = """<newparam sid="p-surface"><surface type="2D"><init_from>paint.png</init_from></surface></newparam>
+      <newparam sid="p-sampler"><sampler2D><source>p-surface</source></sampler2D></newparam><technique"""
+    paint = PAINT[PAINT.index("<library_effects>") :].replace("<technique", surface, 1)
+    text = COLLADA.format(unit="", place="").replace("<library_geometries>", paint).replace("<vertices", CORNER)
+    text = text.replace('count="1"><input', 'count="1" material="m"><input').replace("<p>0 1 2", TRIANGLE)
+    text = text.replace('#g"/>', BOUND).replace('texture="picture"', 'texture="p-sampler"')
+    (tmp_path / "square.dae").write_text(text)
+    gltf = json.loads(visual_mesh(tmp_path / "square.dae").read_text())
+    assert [accessor["count"] for accessor in gltf["accessors"]][:1] == [3]
+    assert ("images" in gltf) is is_there
+
+
 def test_a_texture_inside_a_glb_stays_inside(tmp_path):
     mesh = box()
     picture = trimesh.visual.material.PBRMaterial(baseColorTexture=Image.new("RGB", (2, 2), (0, 0, 255)))
