@@ -1,8 +1,8 @@
 """How much of a solid is below a level surface, and the center of that part.
 
-Ellipsoids have closed forms. Other solids are closed surfaces of triangles, convex or not: each triangle is cut at the
-surface, and makes a tetrahedron with a point of the surface as its tip, so that the lid that closes the part below has
-no volume of its own.
+Ellipsoids have closed forms, and so have the discs of cylinders. Other solids are closed surfaces of triangles, convex
+or not: each triangle is cut at the surface, and makes a tetrahedron with a point of the surface as its tip, so that the
+lid that closes the part below has no volume of its own.
 """
 
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from drake_twin.control.submerged_cylinders import SubmergedCylinders
 from drake_twin.dataclass import dataclass
 
 _SIDES = 48
@@ -25,18 +26,30 @@ class Solid:
         center: The center of that (m), in B's frame.
         axes: The half axes of an ellipsoid as columns (3×3, m), in B's frame; None for a surface of triangles.
         triangles: The corners of each triangle (n×3×3, m), counterclockwise as seen from outside; none of an ellipsoid.
+        radius: That of a cylinder (m), which has no triangles either.
+        half_axis: From its middle to the middle of one end (m), in B's frame; None for any other solid.
     """
 
     volume: float
     center: np.ndarray
     axes: np.ndarray | None
     triangles: np.ndarray
+    radius: float = 0.0
+    half_axis: np.ndarray | None = None
 
 
 def ellipsoid(half_axes: Sequence[float], R: np.ndarray, center: np.ndarray) -> Solid:
     """Return an ellipsoid, or a sphere, whose axes are the columns of a rotation matrix."""
     volume = 4.0 / 3.0 * np.pi * float(np.prod(half_axes))
     return Solid(volume, np.asarray(center, dtype=float), R * np.asarray(half_axes, dtype=float), _NO_TRIANGLES)
+
+
+def cylinder(radius: float, length: float, R: np.ndarray, center: np.ndarray) -> Solid | None:
+    """Return a cylinder along the last column of a rotation matrix; None if it has no volume."""
+    if not min(radius, length) > 0.0:
+        return None
+    volume = np.pi * radius**2 * length
+    return Solid(volume, np.asarray(center, dtype=float), None, _NO_TRIANGLES, radius, R[:, 2] * length / 2)
 
 
 def surface(triangles: np.ndarray) -> Solid | None:
@@ -65,11 +78,6 @@ def box_triangles(size: Sequence[float]) -> np.ndarray:
     """Return the triangles of a box about the origin, from its edges (m)."""
     x, y = size[0] / 2, size[1] / 2
     return _prism(np.array([[x, y], [-x, y], [-x, -y], [x, -y]]), size[2])
-
-
-def cylinder_triangles(radius: float, length: float) -> np.ndarray:
-    """Return the triangles of a cylinder along z as a prism of its volume."""
-    return _prism(_circle(radius), length)
 
 
 def capsule_triangles(radius: float, length: float) -> np.ndarray:
@@ -121,7 +129,7 @@ def _band(low: np.ndarray, high: np.ndarray) -> list[list[np.ndarray]]:
 class SubmergedSolids:
     """Compute how much of each of many solids is below a level surface.
 
-    What is wholly on one side of it costs next to nothing; only the triangles of solids that it crosses are cut.
+    What is wholly on one side of it costs next to nothing; only solids that it crosses are cut.
 
     Args:
         solids: The solids, each in the frame of its body.
@@ -132,8 +140,15 @@ class SubmergedSolids:
         self.centers = np.array([solid.center for solid in solids]).reshape(-1, 3)
         axes = [solid.axes for solid in solids if solid.axes is not None]
         self._axes = np.array(axes).reshape(-1, 3, 3)
-        self._has_triangles = np.array([solid.axes is None for solid in solids], dtype=bool)
-        self._round = np.flatnonzero(~self._has_triangles)
+        self._has_triangles = np.array([len(solid.triangles) > 0 for solid in solids], dtype=bool)
+        self._round = np.flatnonzero([solid.axes is not None for solid in solids])
+        halves = {place: solid.half_axis for place, solid in enumerate(solids) if solid.half_axis is not None}
+        self._along = np.array(list(halves), dtype=int)
+        half_axes = np.array(list(halves.values())).reshape(-1, 3)
+        lengths = np.linalg.norm(half_axes, axis=1)
+        radii = np.array([solids[place].radius for place in halves])
+        self._cylinders = SubmergedCylinders(half_axes / lengths[:, None], lengths, radii)
+        self._reaches = np.hypot(lengths, radii)
         self._triangles = np.concatenate([_NO_TRIANGLES, *(solid.triangles for solid in solids)])
         self._owners = np.repeat(np.arange(len(solids)), [len(solid.triangles) for solid in solids])
         self._radii = np.array(
@@ -165,6 +180,11 @@ class SubmergedSolids:
             moments[round_ones] = own[:, None] * self.centers[round_ones] + np.einsum(
                 "nij,nj->ni", self._axes, shift[:, None] * along
             )
+        chosen = np.flatnonzero(np.abs(over[self._along]) < self._reaches)
+        if len(chosen):
+            places = self._along[chosen]
+            volumes[places], about = self._cylinders.below(chosen, up[places], over[places])
+            moments[places] = volumes[places, None] * self.centers[places] + about
         crossed = self._has_triangles & (np.abs(over) < self._radii)
         if crossed.any():
             volumes[crossed], moments[crossed] = self._cut(crossed, up, over)

@@ -14,10 +14,10 @@ class BuoyancyForces(WorldForces):
     """The weight of the fluid that the links' collisions displace, at the center of its volume.
 
     Behaves as gz-sim's Buoyancy (from its sources), whose layers are level in the world's z. Where a surface crosses a
-    shape, the part below it is exact for boxes, meshes, spheres and ellipsoids in any orientation, where Gazebo has
-    boxes and spheres alone; cylinders and capsules are surfaces of 48 sides with the volume of the shape. A mesh that
-    is not closed counts as its convex hull. Layers add up: of all with a surface, each adds the part below it, times
-    what the density there exceeds that above.
+    shape, the part below it is exact for boxes, cylinders, meshes, spheres and ellipsoids in any orientation, where
+    Gazebo Harmonic has boxes and spheres alone; capsules are surfaces of 48 sides with the volume of the shape. A
+    mesh that is not closed counts as its convex hull. Layers add up: of all with a surface, each adds the part below
+    it, times what the density there exceeds that above.
     """
 
     def __init__(self, parameters: BuoyancyParameters, world: WorldBodies):

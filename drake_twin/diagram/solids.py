@@ -25,7 +25,7 @@ from drake_twin.control.submerged import (
     Solid,
     box_triangles,
     capsule_triangles,
-    cylinder_triangles,
+    cylinder,
     ellipsoid,
     is_closed,
     surface,
@@ -61,10 +61,10 @@ def solid_of(shape: Shape, X_BG: RigidTransform) -> Solid | None:
         return ellipsoid([shape.radius()] * 3, R, center)
     if isinstance(shape, Ellipsoid):
         return ellipsoid([shape.a(), shape.b(), shape.c()], R, center)
+    if isinstance(shape, Cylinder):
+        return cylinder(shape.radius(), shape.length(), R, center)
     if isinstance(shape, Box):
         triangles = box_triangles(shape.size())
-    elif isinstance(shape, Cylinder):
-        triangles = cylinder_triangles(shape.radius(), shape.length())
     elif isinstance(shape, Capsule):
         triangles = capsule_triangles(shape.radius(), shape.length())
     elif isinstance(shape, Mesh | Convex):

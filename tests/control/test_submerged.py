@@ -10,7 +10,7 @@ from drake_twin.control.submerged import (
     SubmergedSolids,
     box_triangles,
     capsule_triangles,
-    cylinder_triangles,
+    cylinder,
     ellipsoid,
     is_closed,
     surface,
@@ -31,7 +31,6 @@ def below(solid, height, up=UP):
     ("triangles", "volume"),
     [
         (box_triangles((1.0, 2.0, 3.0)), 6.0),
-        (cylinder_triangles(0.5, 2.0), pi / 2),
         (capsule_triangles(0.5, 1.0), pi * (0.25 + 1 / 6)),
     ],
 )
@@ -64,10 +63,45 @@ def test_a_lying_cylinder_is_below_by_the_segment_of_its_circle():
     lying = Rotation.from_euler("y", pi / 2).as_matrix()
     depth, radius = 0.2, 0.5
     angle = np.arccos(1 - depth / radius)
-    volume, center = below(surface(cylinder_triangles(radius, 2.0) @ lying.T), radius - depth)
+    volume, center = below(cylinder(radius, 2.0, lying, CENTER), radius - depth - CENTER[2])
     area = radius**2 * (angle - np.sin(angle) * np.cos(angle))
-    assert volume == pytest.approx(2 * area, rel=5e-3)
-    assert center[2] == pytest.approx(-2 / 3 * radius**3 * np.sin(angle) ** 3 / area, rel=2e-3)
+    assert volume == pytest.approx(2 * area, rel=1e-12)
+    assert center - CENTER == pytest.approx((0, 0, -2 / 3 * radius**3 * np.sin(angle) ** 3 / area), rel=1e-12, abs=1e-9)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-14, 1e-9, pi], ids="{:g}".format)
+def test_an_upright_cylinder_is_below_by_its_draught(turn):
+    upright = Rotation.from_euler("x", turn).as_matrix()
+    volume, center = below(cylinder(0.5, 2.0, upright, CENTER), 0.3 - CENTER[2])
+    assert volume == pytest.approx(pi / 4 * 0.7, rel=1e-9)
+    assert center - CENTER == pytest.approx((0, 0, -0.65), abs=1e-8)
+
+
+@pytest.mark.parametrize("height", [-0.9, -0.3, 0.0, 0.4, 1.0])
+@pytest.mark.parametrize("turn", [1e-5, 0.2, 1.0, 1.4, pi / 2 - 1e-4, pi / 2 - 1e-9, 2.0, 3.0], ids="{:.4g}".format)
+def test_a_tilted_cylinder_is_below_as_a_prism_of_many_sides_is(height, turn):
+    tilted = Rotation.from_euler("zx", [0.6, turn]).as_matrix()
+    volume, center = below(cylinder(0.5, 2.0, tilted, CENTER), height - CENTER[2])
+    angles = np.linspace(0, 2 * pi, 3000, endpoint=False)
+    circle = 0.5 * np.column_stack([np.cos(angles), np.sin(angles)])
+    low, high = (np.column_stack([circle, np.full(len(circle), z)]) for z in (-1.0, 1.0))
+    after, above = np.roll(low, -1, axis=0), np.roll(high, -1, axis=0)
+    middles = [np.broadcast_to([0.0, 0.0, z], low.shape) for z in (-1.0, 1.0)]
+    sides = [[low, after, above], [low, above, high], [middles[0], after, low], [middles[1], high, above]]
+    prism = np.concatenate([np.stack(corners, axis=1) for corners in sides])
+    other, middle = below(surface(prism @ tilted.T + CENTER), height - CENTER[2])
+    assert volume == pytest.approx(other, rel=1e-5, abs=1e-9)
+    assert other < 1e-3 or center == pytest.approx(middle, abs=1e-5)
+
+
+def test_a_cylinder_in_water_is_its_whole_and_above_it_none():
+    tilted = cylinder(0.5, 2.0, R, CENTER)
+    volume, center = below(tilted, -5.0)
+    assert (volume, center) == (pytest.approx(pi / 2), pytest.approx(CENTER))
+    assert below(tilted, 5.0) == (0.0, None)
+    assert below(tilted, -CENTER[2])[0] == pytest.approx(pi / 4, rel=1e-9)
+    assert cylinder(0.0, 2.0, R, CENTER) is None
+    assert cylinder(0.5, 0.0, R, CENTER) is None
 
 
 @pytest.mark.parametrize("immersed", [0.1, 0.5, 0.9])
