@@ -29,11 +29,13 @@ def wrenches_of(
     kind, plant, controllers, linear, angular=(0.0, 0.0, 0.0), rpy=(0.0, 0.0, 0.0), wind=(0.0, 0.0, 0.0), active=1.0
 ):
     """Of each controller on the palm, in its axes: moment, force; the velocities are in the world's."""
-    body = RobotBody(plant, plant.GetBodyByName("palm").model_instance(), tuple(wind))
+    body = RobotBody(plant, plant.GetBodyByName("palm").model_instance())
     forces, count = kind([(item, body) for item in controllers]), len(controllers)
     R = rotation(rpy)
     V_B = np.concatenate([R.T @ angular, R.T @ linear])
-    motion = Motion(0.0, _state(plant), R[None, :, :], np.zeros((1, 3)), V_B[None, :], np.zeros(count, dtype=int))
+    places = np.zeros(count, dtype=int)
+    blowing = np.array(wind) if any(wind) else None
+    motion = Motion(0.0, _state(plant), R[None, :, :], np.zeros((1, 3)), V_B[None, :], places, wind=blowing)
     return forces.wrenches(motion, np.full(count, active))
 
 

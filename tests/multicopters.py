@@ -60,11 +60,13 @@ name="gz::sim::systems::MulticopterVelocityControl"><robotNamespace>X3</robotNam
 <rotorConfiguration>{rotors}</rotorConfiguration></plugin>"""
 
 
-def quadcopter(*, controlled: bool = False, plugins: str | None = None, **elements: object) -> str:
-    """SDF of the quadcopter; ``elements`` are of all rotors' systems."""
+def quadcopter(
+    *, controlled: bool = False, plugins: str | None = None, spin_inertia: float = 4e-5, **elements: object
+) -> str:
+    """SDF of the quadcopter; ``spin_inertia`` is a rotor's about its axis, ``elements`` are of all rotors' systems."""
     parts = [f'<link name="base_link">{inertial(MASS - 0.02, INERTIA)}</link>']
     for number, (_, x, y) in enumerate(ROTORS):
-        moments = (1e-6, 4e-5, 4e-5)
+        moments = (1e-6, spin_inertia, spin_inertia)
         parts.append(
             f'<link name="rotor_{number}"><pose>{x} {y} 0.02 0 0 0</pose>{inertial(0.005, moments)}</link>'
             f'<joint name="rotor_{number}_joint" type="revolute"><parent>base_link</parent>'

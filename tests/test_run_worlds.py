@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 from program_runs import ROVER, summary_of
 
+from drake_twin import Twin
+from drake_twin.messages.interface_types import make
 from drake_twin.run import main
+from drake_twin.scenario.scenario_file import ScenarioFile
 
 CRATE_WORLD = """<sdf version="1.9"><world name="w"><gravity>0 0 -3</gravity>
 <physics type="ode"><max_step_size>0.002</max_step_size></physics><gui/>
@@ -47,6 +50,27 @@ def test_a_world_that_is_not_there_ends_in_a_paragraph(tmp_path, capsys, name, w
     error = capsys.readouterr().err
     assert what in error
     assert "Traceback" not in error
+
+
+GANTRY = """<sdf version="1.9"><world name="w"><gravity>0 0 -10</gravity>
+<model name="gantry"><static>true</static><pose>0 0 5 0 0 0</pose><link name="hook"/>
+<plugin filename="gz-sim-detachable-joint-system" name="gz::sim::systems::DetachableJoint">
+<parent_link>hook</parent_link><child_model>load</child_model><child_link>l</child_link>
+<topic>/drop</topic></plugin></model>
+<model name="load"><pose>0 0 4 0 0 0</pose><link name="l"/></model></world></sdf>"""
+
+
+def test_a_static_model_holds_another_one_until_a_message_detaches_it(tmp_path, capsys):
+    (tmp_path / "gantry.sdf").write_text(GANTRY)
+    assert main([str(tmp_path / "gantry.sdf"), "--show-scenario"]) == 0
+    (tmp_path / "twin.yaml").write_text(capsys.readouterr().out)
+    twin = Twin(ScenarioFile.read(str(tmp_path / "twin.yaml")).scenario)
+    twin.advance_to(0.5)
+    assert twin.entities.state("load").position == pytest.approx((0, 0, 4), abs=1e-6)
+    twin.publish("/gantry/drop", make("std_msgs/msg/Empty", {}))
+    twin.advance_to(1.0)
+    assert twin.entities.state("load").position == pytest.approx((0, 0, 4 - 10 * 0.5**2 / 2), abs=0.01)
+    assert twin.entities.state("gantry").position == (0, 0, 5)
 
 
 def test_a_model_that_a_plugin_drives_is_a_robot_beside_the_others(tmp_path, crate_world, capsys):

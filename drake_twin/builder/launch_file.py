@@ -52,6 +52,7 @@ def launch_file_scenario(
     package_paths: Sequence[str] = (),
     *,
     time_step: float | None = None,
+    words: Sequence[str] = (),
 ) -> LaunchedTwin:
     """Evaluate a launch file.
 
@@ -60,6 +61,7 @@ def launch_file_scenario(
         arguments: Values for its arguments.
         package_paths: Folders of ROS packages to search first.
         time_step: The physics step (s); by default the world's, or 0.001.
+        words: How ``ros2 launch`` would be told the file, for files that look at ``sys.argv``; its path by default.
 
     Raises:
         InputError: If the file cannot be used or starts no robot; the text names everything that is missing.
@@ -67,7 +69,7 @@ def launch_file_scenario(
     from drake_twin.ros2.evaluate import evaluate
 
     packages = PackageIndex(package_paths)
-    return _settled(launched_entities(evaluate(file, arguments, packages), Path(file), packages), time_step)
+    return _settled(launched_entities(evaluate(file, arguments, packages, words), Path(file), packages), time_step)
 
 
 def launch_description_scenario(

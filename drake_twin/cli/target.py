@@ -96,7 +96,7 @@ def find_target(options: argparse.Namespace) -> Target:
     elif launch_file is not None:
         if len(words) > 1:
             say(f"launch file: {launch_file}", sys.stderr)
-        target = _launched(launch_file, options, given)
+        target = _launched(launch_file, words, options, given)
     elif len(words) > 1:
         raise InputError(f"only one scenario or robot file can be run at a time, not {', '.join(words)}")
     elif not words:
@@ -253,12 +253,13 @@ def _start_of(file: Path) -> str:
         return ""
 
 
-def _launched(file: Path, options: argparse.Namespace, arguments: Mapping[str, str]) -> Target:
+def _launched(file: Path, words: list[str], options: argparse.Namespace, arguments: Mapping[str, str]) -> Target:
     from drake_twin.builder.launch_file import launch_file_scenario
 
     if options.robots is not None or options.robot is not None:
         raise InputError(f"{file.name} defines its robots: it cannot be combined with --robots or --robot")
-    launched = launch_file_scenario(file, arguments, package_paths(options), time_step=options.time_step)
+    folders, step = package_paths(options), options.time_step
+    launched = launch_file_scenario(file, arguments, folders, time_step=step, words=words)
     return Target(
         launched.scenario,
         plans=launched.plans,
@@ -383,8 +384,8 @@ def _command(topic: str, text: str) -> Command:
     try:
         value = load_yaml(text)
         data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
-        if isinstance(data, dict):
-            return Command(topic, data)
+        if isinstance(value, dict) and isinstance(data, dict | bool | int | float | str):
+            return Command(topic, data if isinstance(data, dict) else value)  # data: 1 is a std_msgs/msg/Float64
         if not isinstance(data, list) or any(isinstance(item, bool) for item in data):
             raise TypeError
         return Command(topic, tuple(float(item) for item in data))

@@ -163,8 +163,7 @@ class AircraftForces(BodyForces):
         def column(*names: str) -> np.ndarray:
             return np.array([[getattr(craft, name, 0.0) for craft, _ in crafts] for name in names])
 
-        axes, winds = np.array([np.eye(3)] * len(crafts)), np.array([body.wind for _, body in crafts])
-        self._flow = Flow(axes, column("cp")[0], winds)
+        self._flow = Flow(np.array([np.eye(3)] * len(crafts)), column("cp")[0])
         units = np.stack([column("forward")[0].T, -column("upward")[0].T])
         self._forward, self._down = units / np.linalg.norm(units, axis=1, keepdims=True)
         self._right = _cross(self._down, self._forward)

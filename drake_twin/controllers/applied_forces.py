@@ -27,6 +27,7 @@ class AppliedForces(WitnesslessSystem):
         - state
         - signals
         - pushes
+        - wind
         output_ports:
         - wrenches
         - generalized_forces
@@ -35,6 +36,7 @@ class AppliedForces(WitnesslessSystem):
     - ``signals``: the controllers' ports ``signals``, one after the other, kind by kind.
     - ``pushes``: the other forces on bodies, a list of ``ExternallyAppliedSpatialForce``, from which those kinds follow
       that are last; the port is there if one is.
+    - ``wind``: the velocity of the air in the world (m/s), where that changes.
     - ``wrenches``: for each of the `bodies` the wrench about its origin, in its own axes: N·m, then N.
     - ``generalized_forces``: in place of it, where all of them are free bodies and there are no ``pushes``: a force for
       each of the plant's velocities.
@@ -43,13 +45,21 @@ class AppliedForces(WitnesslessSystem):
         plant: The finalized plant.
         kinds: The forces, in the order in which they are computed, and how many signals each takes.
         may_be_generalized: Whether the plant can take generalized forces.
+        wind: The velocity of the air in the world (m/s); None for one that changes.
 
     Attributes:
         bodies: The bodies on which forces act.
         are_generalized: Whether the port ``generalized_forces`` is there.
     """
 
-    def __init__(self, plant: MultibodyPlant, kinds: Sequence[tuple[BodyForces, int]], *, may_be_generalized: bool):
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        kinds: Sequence[tuple[BodyForces, int]],
+        *,
+        may_be_generalized: bool,
+        wind: Sequence[float] | None = (0.0, 0.0, 0.0),
+    ):
         super().__init__()
         self._plant, self._context = plant, plant.CreateDefaultContext()
         indices = sorted({int(body.index()) for forces, _ in kinds for body in forces.bodies})
@@ -78,6 +88,8 @@ class AppliedForces(WitnesslessSystem):
         if any(forces.is_last for forces, _ in kinds):
             model = Value[list[ExternallyAppliedSpatialForce]]()
             self._pushes = self.DeclareAbstractInputPort("pushes", model)
+        self._wind = self.DeclareVectorInputPort("wind", 3) if wind is None else None
+        self._steady_wind = np.array(wind) if wind is not None and any(wind) else None
         self._masses = self.DeclareNumericParameter(BasicVector(1))  # stands for those of the plant
         self.are_generalized = may_be_generalized and not self._others and self._pushes is None
         if self.are_generalized:
@@ -102,13 +114,14 @@ class AppliedForces(WitnesslessSystem):
         R_WB, origins, velocities = self._motion(state)
         # Rows times a rotation are the columns of its inverse: the velocities in the bodies' own axes.
         V_B = (velocities.reshape(-1, 2, 3) @ R_WB).reshape(-1, 6)
+        wind = self._steady_wind if self._wind is None else self._wind.Eval(context)
         time, total = context.get_time() + self._half_step, None
         for forces, places, sums, part in self._kinds:
             known = total
             if forces.is_last and self._pushes is not None and (pushes := self._pushes.Eval(context)):
                 of_pushes = self._of_pushes(pushes, R_WB)
                 known = of_pushes if total is None else total + of_pushes
-            motion = Motion(time, state, R_WB, origins, V_B, places, known)
+            motion = Motion(time, state, R_WB, origins, V_B, places, known, wind)
             wrenches = forces.wrenches(motion, signals[part])
             if sums is not None:
                 wrenches = sums @ wrenches

@@ -30,12 +30,10 @@ class RobotBody:
     Attributes:
         plant: The finalized plant.
         instance: The robot's model instance.
-        wind: The wind of the world, in the world frame (m/s).
     """
 
     plant: MultibodyPlant
     instance: ModelInstanceIndex
-    wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def link(self, name: str) -> RigidBody:
         """Return a link's body."""
@@ -74,13 +72,15 @@ class Motion:
         places: The index there of each body that is meant (n), or a slice.
         applied: The wrenches that the kinds before this one exert on each, about its origin and in its own axes (m×6);
             None for no such wrenches.
+        wind: The velocity of the air in the world frame (m/s); None for still air.
 
     Attributes:
         time: The time (s).
         state: The plant's ``[q; v]``.
+        wind: The velocity of the air in the world frame (m/s); None for still air.
     """
 
-    __slots__ = ("_applied", "_origins", "_places", "_rotations", "_velocities", "state", "time")
+    __slots__ = ("_applied", "_origins", "_places", "_rotations", "_velocities", "state", "time", "wind")
 
     def __init__(
         self,
@@ -91,8 +91,9 @@ class Motion:
         velocities: np.ndarray,
         places: np.ndarray | slice,
         applied: np.ndarray | None = None,
+        wind: np.ndarray | None = None,
     ):
-        self.time, self.state = time, state
+        self.time, self.state, self.wind = time, state, wind
         self._rotations, self._origins, self._velocities = rotations, origins, velocities
         self._places, self._applied = places, applied
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Context
 
@@ -38,8 +39,10 @@ class FluidResponse:
     which no inverse of W is needed: a link that cannot move has a W that is singular.
 
     Args:
-        sources: The controllers, which have a parameter ``link_name``, and their robots.
-        added: The added mass of each link about its origin, in its axes (n×6×6), angular first.
+        plant: The finalized plant.
+        links: The links.
+        added: The added mass of each link about its origin, in its axes (n×6×6), angular first; None for none.
+        owners: What gives each its added mass, for errors.
 
     Raises:
         InputError: If an added mass takes all the mass of a link.
@@ -48,17 +51,33 @@ class FluidResponse:
         bodies: The links, and then the bodies that they carry.
     """
 
-    def __init__(self, sources: Sequence[tuple[ForceController, RobotBody]], added: np.ndarray):
-        self._links = [body.link(source.setup.parameters.link_name) for source, body in sources]
-        self._plant = sources[0][1].plant
-        self._added = added
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        links: Sequence[RigidBody],
+        added: np.ndarray | None = None,
+        owners: Sequence[str] = (),
+    ):
+        self._links, self._plant = links, plant
+        self._added = np.zeros((len(links), 6, 6)) if added is None else added
         self._step = self._plant.time_step()
         self.follow(None)
         self.bodies: list[RigidBody] = [*self._links, *self._response.carried]
         for (members, *_), response in zip(self._groups, self._response.responses, strict=True):
-            effective = np.eye(response.shape[-1]) + response @ _blocks(added, members)
+            effective = np.eye(response.shape[-1]) + response @ _blocks(self._added, members)
             for every in members[np.linalg.eigvals(effective).real.min(axis=1) < _LEAST]:
-                raise _negative(*sources[every[0]])
+                what = "is negative and takes all of its mass; SNAME's xDotU is negative"
+                raise InputError(f"{owners[every[0]]}: the added mass of link {links[every[0]].name()!r} {what}")
+
+    @classmethod
+    def of(cls, sources: Sequence[tuple[ForceController, RobotBody]], added: np.ndarray) -> "FluidResponse":
+        """Return that of the links of controllers, which have a parameter ``link_name``, and their robots."""
+        plant = sources[0][1].plant
+        links = [body.link(source.setup.parameters.link_name) for source, body in sources]
+        robots = (plant.GetModelInstanceName(body.instance) for _, body in sources)
+        names = (source.setup.name for source, _ in sources)
+        owners = [f"robot {robot!r}: controller {name}" for robot, name in zip(robots, names, strict=True)]
+        return cls(plant, links, added, owners)
 
     def follow(self, masses: Context | None) -> None:
         """Respond as links with the masses in a context of the plant do; without one as those as built."""
@@ -71,35 +90,39 @@ class FluidResponse:
             before = np.linalg.inv(unit + mass @ response)
             self._groups.append((members, unit, after, after @ response, before))
 
-    def wrenches(self, motion: Motion, fluid: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    def losses(self, slope: np.ndarray) -> list[np.ndarray]:
+        """Return what wrenches lose for each acceleration at the start of a step, by group (g×6k×6k).
+
+        Args:
+            slope: How much smaller the wrench F_w on each link becomes with each velocity (n×6×6).
+        """
+        found = []
+        for members, unit, _, mobility, before in self._groups if self._step > 0.0 else ():
+            slopes = self._step * _blocks(slope, members)
+            X = mobility @ slopes
+            half = unit + X / 2
+            stepped = np.linalg.solve(unit + X @ half, half)
+            found.append(before @ (slopes @ (half @ stepped - unit / 2)))
+        return found
+
+    def wrenches(self, motion: Motion, fluid: np.ndarray, losses: Sequence[np.ndarray]) -> np.ndarray:
         """Return the wrench on each of the `bodies`; none on what links carry.
 
         Args:
             motion: How the `bodies` move.
             fluid: The wrench F_w on each link (n×6).
-            slope: How much smaller that becomes with each velocity (n×6×6).
+            losses: Its `losses`.
         """
         free = self._response.free_acceleration(motion)
         found = np.zeros_like(motion.V_B)
         found[: len(fluid)] = fluid
-        for members, unit, after, mobility, before in self._groups:
+        for number, (members, _, after, mobility, _) in enumerate(self._groups):
             own = fluid[members].reshape(len(members), -1, 1)
             mean = after @ free[members].reshape(len(members), -1, 1) + mobility @ own
             found[members] -= (self._added[members] @ mean.reshape(*members.shape, 6, 1))[..., 0]
-            if self._step > 0.0:
-                slopes = self._step * _blocks(slope, members)
-                X = mobility @ slopes
-                half = unit + X / 2
-                stepped = np.linalg.solve(unit + X @ half, half @ mean)
-                lost = before @ (slopes @ (half @ stepped - mean / 2))
-                found[members] -= lost.reshape(*members.shape, 6)
+            if losses:
+                found[members] -= (losses[number] @ mean).reshape(*members.shape, 6)
         return found
-
-
-def _negative(source: ForceController, body: RobotBody) -> InputError:
-    link, robot = source.setup.parameters.link_name, body.plant.GetModelInstanceName(body.instance)
-    what = f"the added mass of link {link!r} is negative and takes all of its mass; SNAME's xDotU is negative"
-    return InputError(f"robot {robot!r}: controller {source.setup.name}: {what}")
 
 
 def _blocks(matrices: np.ndarray, members: np.ndarray) -> np.ndarray:

@@ -36,6 +36,8 @@ class HydrodynamicsParameters:
         default_current: The velocity of the water in the world until a message says another one (m/s).
         disable_added_mass: Whether added mass resists no acceleration.
         disable_coriolis: Whether added mass has no Coriolis and centripetal forces.
+        fluid_added_mass: More added mass about the link's origin, in its axes, angular first (6×6, row by row): SDF's
+            ``<fluid_added_mass>``: it always acts in full.
     """
 
     link_name: str
@@ -43,6 +45,7 @@ class HydrodynamicsParameters:
     default_current: tuple[float, ...] = (0.0, 0.0, 0.0)
     disable_added_mass: bool = False
     disable_coriolis: bool = False
+    fluid_added_mass: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         for name, value in self.coefficients.items():
@@ -53,6 +56,8 @@ class HydrodynamicsParameters:
                 raise ParameterError(f"{name} is {value:g}, which is not finite", "coefficients", name)
         if len(self.default_current) != 3:
             raise ParameterError("default_current has to have 3 numbers", "default_current")
+        if len(self.fluid_added_mass) not in (0, 36):
+            raise ParameterError("fluid_added_mass has to have 36 numbers", "fluid_added_mass")
 
 
 @saved("OceanCurrent")
@@ -75,7 +80,9 @@ class HydrodynamicForces(BodyForces):
         self._damping = Damping(coefficients)
         self._added = added * np.array([not item.disable_added_mass for item in parameters])[:, None, None]
         self._whirled = added * np.array([not item.disable_coriolis for item in parameters])[:, None, None]
-        self._response = FluidResponse(sources, self._added)
+        more = np.array([item.fluid_added_mass or np.zeros(36) for item in parameters]).reshape(-1, 6, 6)
+        self._added, self._whirled = self._added + more, self._whirled + more
+        self._response = FluidResponse.of(sources, self._added)
         self.bodies = self._response.bodies
 
     def follow(self, plant_context: Context) -> None:
@@ -92,7 +99,7 @@ class HydrodynamicForces(BodyForces):
         water -= coriolis(self._whirled, velocity)
         if signals.any():  # a current that is constant in the world turns in the link's axes
             water -= (self._added[:, :, 3:] @ cross(motion.V_B[:count, :3], current)[:, :, None])[..., 0]
-        return self._response.wrenches(motion, water, slope)
+        return self._response.wrenches(motion, water, self._response.losses(slope))
 
 
 @controller(HYDRODYNAMICS)

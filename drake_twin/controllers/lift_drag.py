@@ -92,7 +92,7 @@ class WingForces(BodyForces):
             return np.array([[getattr(wing, name) for wing, _ in wings] for name in names])
 
         axes = np.array([_axes(wing) for wing, _ in wings])
-        self._flow = Flow(axes, column("cp")[0], np.array([body.wind for _, body in wings]))
+        self._flow = Flow(axes, column("cp")[0])
         self._along, self._across = np.array(
             [
                 (0.0, 1.0) if wing.radial_symmetry else axis[[0, 2]] @ _unit(wing.upward)

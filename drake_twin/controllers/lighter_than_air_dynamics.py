@@ -76,7 +76,7 @@ class HullForces(BodyForces):
             ]
         )
         self._added = np.array([item.fluid_added_mass for item in parameters]).reshape(-1, 6, 6)
-        self._response = FluidResponse(sources, self._added)
+        self._response = FluidResponse.of(sources, self._added)
         self.bodies = self._response.bodies
 
     def follow(self, plant_context: Context) -> None:
@@ -91,7 +91,7 @@ class HullForces(BodyForces):
         air -= coriolis(self._added, velocity)
         linear = velocity[:, 3:]
         air[:, :3] += cross(linear, (self._added[:, 3:, 3:] @ linear[:, :, None])[..., 0])
-        return self._response.wrenches(motion, air, slope)
+        return self._response.wrenches(motion, air, self._response.losses(slope))
 
 
 @controller(LIGHTER_THAN_AIR)

@@ -152,5 +152,5 @@ def _response(mass: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
     try:
         response: np.ndarray = jacobian[:, coupled] @ np.linalg.solve(mass[part], jacobian[:, coupled].T)
     except np.linalg.LinAlgError:
-        raise InputError("water cannot act on a mechanism without mass") from None
+        raise InputError("neither water nor wind can act on a mechanism without mass") from None
     return response

@@ -1,109 +1,31 @@
 """A multicopter's rotors and the control of its velocity, as gz-sim's systems for multicopters have them."""
 
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 from math import exp, fsum
 from typing import Any, ClassVar
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RotationMatrix, VectorToSkewSymmetric
-from pydrake.multibody.tree import RigidBody
+from pydrake.math import RotationMatrix
 from pydrake.systems.framework import BasicVector, Context, EventStatus, State
 
 from drake_twin.control.lee_velocity import ControlledRotor, LeeGains, LeeVelocity
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.body_forces import BodyForces, ForceController, Motion, RobotBody
+from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
 from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.multicopter_parameters import MulticopterParameters
+from drake_twin.controllers.periodic_controller import is_motion
 from drake_twin.controllers.registry import controller
+from drake_twin.controllers.rotor_forces import RotorForces
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import ACTUATORS, MULTICOPTER
-from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
-
-_FAST = (1e300, 1e300, 1e300)
-_ALONG = 1e-6  # sine of an angle
-
-
-@dataclass(frozen=True, kw_only=True)
-class MulticopterParameters:
-    """Parameters of ``gz_sim/Multicopter``, named after the elements of gz-sim's two systems; lists go rotor by rotor.
-
-    Attributes:
-        joints: The rotors' joints.
-        links: Their links; thrust is along z.
-        actuator_numbers: The place of each in a message's velocities.
-        turning_directions: 1 for counter-clockwise, -1 for clockwise.
-        motor_constants: The thrust ÷ the square of the speed (N·s²).
-        moment_constants: The moment on the body ÷ the thrust (m).
-        max_rot_velocities: The largest speed (rad/s).
-        time_constants_up: The lag of a speed that rises (s).
-        time_constants_down: The lag of one that falls (s).
-        rotor_drag_coefficients: The drag ÷ the speed and the velocity across the axis (kg).
-        rolling_moment_coefficients: The rolling moment ÷ the same (kg·m).
-        rotor_velocity_slowdowns: The speed ÷ the velocity of the joint.
-        controls_velocity: Whether it follows velocities, and not speeds of rotors.
-        com_link: The link whose velocity is controlled.
-        velocity_gain: The force for an error of the velocity (N·s/m).
-        attitude_gain: The moment for an error of the orientation (N·m).
-        angular_rate_gain: The moment for an error of the angular velocity (N·m·s).
-        maximum_linear_acceleration: For an error of the velocity (m/s²).
-        maximum_linear_velocity: Of a command (m/s).
-        maximum_angular_velocity: Of a command (rad/s).
-        control_joints: The rotors' joints as the controller of the velocity knows them.
-        control_force_constants: As it knows their ``motor_constants``.
-        control_moment_constants: As it knows their ``moment_constants``.
-        control_directions: As it knows their ``turning_directions``.
-    """
-
-    joints: tuple[str, ...]
-    links: tuple[str, ...]
-    actuator_numbers: tuple[int, ...] = field(metadata={"lower": 0})
-    turning_directions: tuple[int, ...] = field(metadata={"choices": (1, -1)})
-    motor_constants: tuple[float, ...]
-    moment_constants: tuple[float, ...]
-    max_rot_velocities: tuple[float, ...]
-    time_constants_up: tuple[float, ...]
-    time_constants_down: tuple[float, ...]
-    rotor_drag_coefficients: tuple[float, ...]
-    rolling_moment_coefficients: tuple[float, ...]
-    rotor_velocity_slowdowns: tuple[float, ...]
-    controls_velocity: bool = False
-    com_link: str = ""
-    velocity_gain: tuple[float, ...] = ()
-    attitude_gain: tuple[float, ...] = ()
-    angular_rate_gain: tuple[float, ...] = ()
-    maximum_linear_acceleration: tuple[float, ...] = _FAST
-    maximum_linear_velocity: tuple[float, ...] = _FAST
-    maximum_angular_velocity: tuple[float, ...] = _FAST
-    control_joints: tuple[str, ...] = ()
-    control_force_constants: tuple[float, ...] = ()
-    control_moment_constants: tuple[float, ...] = ()
-    control_directions: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        lists = [name for name in vars(type(self))["__annotations__"] if name.endswith("s") and name in _OF_ROTORS]
-        for name in lists:
-            if len(getattr(self, name)) != len(self.joints):
-                raise ParameterError(
-                    f"{name} has {len(getattr(self, name))} entries for {len(self.joints)} joints", name
-                )
-        for name in ("time_constants_up", "time_constants_down", "rotor_velocity_slowdowns", "max_rot_velocities"):
-            for value in getattr(self, name):
-                if value <= 0.0:
-                    raise ParameterError(f"{name} has {value:g}, which is not above zero", name)
-
-
-_OF_ROTORS = (
-    *("links", "actuator_numbers", "turning_directions", "motor_constants", "moment_constants"),
-    *("max_rot_velocities", "time_constants_up", "time_constants_down", "rotor_drag_coefficients"),
-    *("rolling_moment_coefficients", "rotor_velocity_slowdowns"),
-)
 
 
 @saved("RotorSpeeds")
@@ -140,79 +62,15 @@ class VelocityCommand(Frozen):
     enable: bool = True
 
 
-class RotorForces(BodyForces):
-    """Thrust, drag and moments of all rotors.
-
-    A rotor of speed ω has the thrust ``k |ω| ω`` along its axis, and against the velocity v across its axis the drag
-    ``c |ω| v`` and the moment ``r |ω| v``. The moment of its drag is its thrust times a length. All acts on the body
-    that carries the rotor: a force through a joint's axis is the same there. The lag of its speed is that of a
-    first-order filter.
-    """
-
-    def __init__(self, sources: "Sequence[tuple[ForceController, RobotBody]]"):
-        rotors = [
-            (body, source.setup.parameters, number, body.joint(joint).parent_body())
-            for source, body in sources
-            for number, joint in enumerate(source.setup.parameters.joints)
-        ]
-        of_carriers: dict[int, list[int]] = {}
-        for place, (*_, carrier) in enumerate(rotors):
-            of_carriers.setdefault(int(carrier.index()), []).append(place)
-        of_carriers = dict(sorted(of_carriers.items()))
-        self.bodies = [rotors[places[0]][-1] for places in of_carriers.values()]
-        self._wind = np.array([rotors[places[0]][0].wind for places in of_carriers.values()])
-        self._is_windy = bool(self._wind.any())
-        # What a carrier has fewer rotors than another one has neither thrust nor drag, and the signals of any.
-        shape = len(of_carriers), max(map(len, of_carriers.values()))
-        places_of_rotors = np.zeros(shape, dtype=int)
-        self._thrusts, self._drags = np.zeros((*shape, 6)), np.zeros((*shape, 36))
-        for row, places in enumerate(of_carriers.values()):
-            for column, place in enumerate(places):
-                places_of_rotors[row, column] = place
-                thrust, drag = _thrust_and_drag(*rotors[place])
-                self._thrusts[row, column], self._drags[row, column] = thrust, drag.ravel()
-        self._of_signals = 4 * places_of_rotors + np.arange(4)[:, None, None]
-
-    def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
-        """Return the wrench of the rotors on each of their carriers."""
-        since, target, gap, rate = signals[self._of_signals]
-        speeds = (target + gap * np.exp(rate * (motion.time - since)))[:, None, :]
-        velocity = motion.V_B
-        if self._is_windy:
-            velocity = velocity.copy()
-            velocity[:, 3:] -= np.einsum("nji,nj->ni", motion.R_WB, self._wind)
-        sizes = np.abs(speeds)
-        thrust, drag = sizes * speeds @ self._thrusts, (sizes @ self._drags).reshape(-1, 6, 6)
-        wrenches: np.ndarray = thrust[:, 0] + (drag @ velocity[:, :, None])[:, :, 0]
-        return wrenches
-
-
-def _thrust_and_drag(
-    body: RobotBody, parameters: MulticopterParameters, number: int, carrier: RigidBody
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return a rotor's wrench on its carrier ÷ ω², and that of its drag ÷ ω and the carrier's velocity (6×6)."""
-    rotor = body.link(parameters.links[number])
-    pose = body.pose(rotor, carrier)
-    axis, center = pose.rotation().matrix()[:, 2], pose @ rotor.default_com()
-    turns = parameters.turning_directions[number]
-    moment = np.cross(center, axis) - turns * parameters.moment_constants[number] * axis
-    thrust = parameters.motor_constants[number] * np.concatenate([moment, axis])
-    across = np.eye(3) - np.outer(axis, axis)
-    velocity = across @ np.hstack([-VectorToSkewSymmetric(pose.translation()), np.eye(3)])  # across the axis
-    moment_and_force = np.vstack([VectorToSkewSymmetric(center), np.eye(3)])
-    drag = -parameters.rotor_drag_coefficients[number] * moment_and_force
-    drag[:3] -= parameters.rolling_moment_coefficients[number] * np.eye(3)
-    return thrust, drag @ velocity
-
-
 @controller(MULTICOPTER)
 class Multicopter(ForceController, StatefulController):
     """Drive the rotors of a multicopter by their speeds, or by a velocity of its body.
 
     Behaves as gz-sim's MulticopterMotorModel for all of its rotors, and as its MulticopterVelocityControl where the
     robot has that (from their sources). The speeds follow commands with the lag of each rotor, at any time; the joints
-    turn at the commanded speeds ÷ ``rotor_velocity_slowdowns``. The control of the velocity is updated up to 250 times
-    a second, where Gazebo does it in each step, and without the noise that it can add to what it measures.
+    turn at the speeds ÷ ``rotor_velocity_slowdowns``, with the lag of a speed that rises as that of their servos. The
+    control of the velocity is updated up to 250 times a second, where Gazebo does it in each step, and without the
+    noise that it can add to what it measures.
 
     .. pydrake_system::
 
@@ -350,6 +208,9 @@ class Multicopter(ForceController, StatefulController):
             targets = [min(by_number[number], most) for number, most in limits]
         memory = self._approached(sample.memory, time, targets)
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(replace(sample, time=time, memory=memory))
+        before = sample.memory.targets
+        if self.setup.tells_of_motion and list(map(is_motion, before)) != list(map(is_motion, targets)):
+            return EventStatus.ReachedTermination(self, self.setup.name)  # the joint is driven, or braked, from now on
         return EventStatus.Succeeded()
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:

@@ -45,23 +45,20 @@ class Flow:
     Args:
         axes: Three unit vectors in each link's frame, shape (n, 3, 3): row by row.
         points: A point of each link in its frame (n×3, m).
-        wind: The velocity of the air at each, in the world frame (n×3, m/s).
     """
 
-    def __init__(self, axes: np.ndarray, points: np.ndarray, wind: np.ndarray):
+    def __init__(self, axes: np.ndarray, points: np.ndarray):
         moments = np.cross(points[:, None, :], axes)  # of a unit force along each axis; a · (ω × p) = ω · (p × a)
         self._axes = axes
         self._velocities = np.concatenate([moments, axes], axis=2)
         of_moments = np.concatenate([axes, np.zeros_like(axes)], axis=2)
         self._wrenches = np.concatenate([self._velocities, of_moments], axis=1).transpose(0, 2, 1).copy()
-        self._wind = wind[:, :, None]
-        self._is_windy = bool(wind.any())
 
     def velocities(self, motion: Motion) -> np.ndarray:
         """Return the velocity of each point relative to the air, along its axes (3×n, m/s)."""
         velocities: np.ndarray = self._velocities @ motion.V_B[:, :, None]
-        if self._is_windy:
-            velocities -= self._axes @ (motion.R_WB.transpose(0, 2, 1) @ self._wind)
+        if motion.wind is not None:
+            velocities -= self._axes @ (motion.R_WB.transpose(0, 2, 1) @ motion.wind[:, None])
         return velocities[:, :, 0].T
 
     def wrenches(self, components: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ as the `BodyForces` of robots do.
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -27,11 +27,13 @@ class MovingBody:
         body: The body.
         name: Its model, the models in that and the link, as gz-sim has them: ``MODEL::LINK``.
         solids: Its collision shapes that have a volume.
+        feels_wind: Whether it has ``<enable_wind>``.
     """
 
     body: RigidBody
     name: str
     solids: Sequence[Solid]
+    feels_wind: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,12 +55,17 @@ class WorldBodies:
 
 
 class WorldForces(BodyForces):
-    """The forces of a plugin of the world; without signals.
+    """The forces of a plugin of the world.
 
     Args:
         parameters: Its parameters.
         world: What moves.
+
+    Attributes:
+        has_wind_signal: Whether its one signal is whether the world's wind blows; else it has none.
     """
+
+    has_wind_signal: ClassVar[bool] = False
 
     @abstractmethod
     def __init__(self, parameters: Any, world: WorldBodies):

@@ -1,14 +1,22 @@
 """SDF's ``<fluid_added_mass>`` of a link."""
 
+from collections.abc import Iterator, Mapping
+
 import numpy as np
 from lxml import etree
 
 from drake_twin.description.gazebo_plugins import PluginReader
-from drake_twin.description.robot_description import Pose
+from drake_twin.description.robot_description import GazeboPlugin, Pose
+from drake_twin.description.xml_reader import XmlReader
 from drake_twin.values import parse_number
 
+IMPLIED = "fluid-added-mass"  # a plugin that stands in no file: what an element of a link asks for
+
 _AXES = "xyzpqr"
-_LIBRARY = "lighter_than_air_dynamics"
+# The entries of the matrix that SDF names, by row and column.
+ADDED_MASS_ENTRIES = {row + column: (i, j) for i, row in enumerate(_AXES) for j, column in enumerate(_AXES[i:], i)}
+_POSE = "pose"
+_OF_FLUIDS = ("lighter_than_air_dynamics", "lighter-than-air-dynamics", "hydrodynamics")
 
 
 def fluid_added_mass(text: str, link: str, plugin: PluginReader) -> np.ndarray | None:
@@ -29,18 +37,21 @@ def fluid_added_mass(text: str, link: str, plugin: PluginReader) -> np.ndarray |
         root = etree.fromstring(text.encode())
     except etree.XMLSyntaxError:
         return None
-    inertial = next((item.find("inertial") for item in root.iter("link") if item.get("name") == link), None)
-    found = None if inertial is None else inertial.find("fluid_added_mass")
-    if inertial is None or found is None:
-        return None
+    found = next(
+        (item.find("inertial/fluid_added_mass") for item in root.iter("link") if item.get("name") == link), None
+    )
+    return None if found is None else added_mass_of(_values(found), plugin)
+
+
+def added_mass_of(values: Mapping[str, str], plugin: PluginReader) -> np.ndarray:
+    """Return what `fluid_added_mass` does, from the texts of the entries and the ``pose`` of the center of mass."""
     matrix = np.zeros((6, 6))
-    for i, row in enumerate(_AXES):
-        for j, column in enumerate(_AXES[i:], i):
-            matrix[i, j] = matrix[j, i] = _number(found.findtext(row + column) or "0", row + column, plugin)
+    for tag, (i, j) in ADDED_MASS_ENTRIES.items():
+        matrix[i, j] = matrix[j, i] = _number(values.get(tag) or "0", tag, plugin)
     linear_last = [3, 4, 5, 0, 1, 2]
     matrix = matrix[np.ix_(linear_last, linear_last)]
-    values = [_number(word, "pose", plugin) for word in (inertial.findtext("pose") or "").split()]
-    X = Pose((values[0], values[1], values[2]), (values[3], values[4], values[5])) if len(values) == 6 else Pose()
+    pose = [_number(word, _POSE, plugin) for word in values.get(_POSE, "").split()]
+    X = Pose((pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5])) if len(pose) == 6 else Pose()
     R, (x, y, z) = X.transform().rotation().matrix(), X.xyz
     to_center = np.zeros((6, 6))
     to_center[:3, :3] = to_center[3:, 3:] = R.T
@@ -49,15 +60,26 @@ def fluid_added_mass(text: str, link: str, plugin: PluginReader) -> np.ndarray |
     return shifted
 
 
-def is_used_added_mass(element: etree._Element) -> bool:
-    """Tell whether an element is a ``<fluid_added_mass>`` of a link that a plugin of its model is about."""
-    if element.tag != "fluid_added_mass":
-        return False
-    link, model = next(element.iterancestors("link"), None), next(element.iterancestors("model"), None)
-    if link is None or model is None:
-        return False
-    plugins = (item for item in model.findall("plugin") if _LIBRARY in item.get("filename", ""))
-    return any((item.findtext("link_name") or "").strip() == link.get("name") for item in plugins)
+def added_mass_plugins(reader: XmlReader, model: etree._Element) -> Iterator[GazeboPlugin]:
+    """Yield what a model's links with added mass ask for, as if a plugin asked for it."""
+    for link, element in _own(model):
+        values = {tag: (text,) for tag, text in _values(element).items()}
+        yield GazeboPlugin(IMPLIED, "", elements={"link_name": (link,), **values}, place=reader.place(element))
+
+
+def _own(model: etree._Element) -> Iterator[tuple[str, etree._Element]]:
+    plugins = [item for item in model.findall("plugin") if any(kind in item.get("filename", "") for kind in _OF_FLUIDS)]
+    taken = {(item.findtext("link_name") or "").strip() for item in plugins}
+    for link in model.findall("link"):
+        element, name = link.find("inertial/fluid_added_mass"), link.get("name", "")
+        if element is not None and name not in taken:
+            yield name, element
+
+
+def _values(element: etree._Element) -> dict[str, str]:
+    inertial = element.getparent()
+    pose = None if inertial is None else inertial.findtext(_POSE)
+    return {child.tag: child.text or "" for child in element if child.tag in ADDED_MASS_ENTRIES} | {_POSE: pose or ""}
 
 
 def _number(text: str, tag: str, plugin: PluginReader) -> float:

@@ -9,7 +9,16 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, at_places
 
 _FLAGS = (
-    *(*CONVERTED_FLAGS, "gravity", "kinematic", "self_collide", "shadows", "use_parent_model_frame", "cast_shadows"),
+    *(
+        *CONVERTED_FLAGS,
+        "gravity",
+        "kinematic",
+        "self_collide",
+        "enable_wind",
+        "shadows",
+        "use_parent_model_frame",
+        "cast_shadows",
+    ),
 )
 _ATTRIBUTES = ("degrees", "merge", "default")
 _VALUES = ("true", "false", "1", "0", "")

@@ -30,6 +30,8 @@ from drake_twin.description.robot_description import GazeboPlugin, RobotDescript
 from drake_twin.extensions import Registry
 
 if TYPE_CHECKING:
+    from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
@@ -47,17 +49,25 @@ ODOMETRY_PUBLISHER = "gz_sim/OdometryPublisher"
 POSE_PUBLISHER = "gz_sim/PosePublisher"
 DETACHABLE_JOINT = "gz_sim/DetachableJoint"
 JOINT_PID = "gz_sim/JointPidController"
+JOINT_CONTROLLER = "gz_sim/JointController"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
 MULTICOPTER = "gz_sim/Multicopter"
 LIFT_DRAG = "gz_sim/LiftDrag"
 ADVANCED_LIFT_DRAG = "gz_sim/AdvancedLiftDrag"
 TRIGGERED_PUBLISHER = "gz_sim/TriggeredPublisher"
+PERFORMERS = "gz_sim/Performers"
+PERFORMER_DETECTOR = "gz_sim/PerformerDetector"
 KINETIC_ENERGY_MONITOR = "gz_sim/KineticEnergyMonitor"
 LINEAR_BATTERY = "gz_sim/LinearBattery"
 HYDRODYNAMICS = "gz_sim/Hydrodynamics"
 THRUSTER = "gz_sim/Thruster"
+ELEVATOR = "gz_sim/Elevator"
+TOUCH_PLUGIN = "gz_sim/TouchPlugin"
 BUOYANCY_ENGINE = "gz_sim/BuoyancyEngine"
+SPACECRAFT_THRUSTERS = "gz_sim/SpacecraftThrusters"
+TRAJECTORY_FOLLOWER = "gz_sim/TrajectoryFollower"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
+TRACKS = "gz_sim/Tracks"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),
@@ -73,10 +83,13 @@ class Servo:
         proportional: The effort for an error of the command: N·m/rad or N/m, of a velocity N·m·s/rad or N·s/m. None for
             a servo that is there in the next step.
         derivative: The effort against a velocity, of a position's servo (N·m·s/rad or N·s/m).
+        time_constant: Of a velocity's servo without the others, with which it approaches that against inertia alone
+            (s); 0 for one that is there in the next step.
     """
 
     proportional: float | None = None
     derivative: float = 0.0
+    time_constant: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -106,6 +119,8 @@ class GazeboDrive:
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
         triggers: What the twin publishes when it hears messages, beside the controller or without one.
+        detectors: The regions of its model that notice performers, likewise.
+        touches: What tells that its model has touched another one, likewise.
     """
 
     plugin: GazeboPlugin
@@ -127,6 +142,8 @@ class GazeboDrive:
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     triggers: "tuple[Trigger, ...]" = ()
+    detectors: "tuple[PerformerDetector, ...]" = ()
+    touches: "tuple[TouchDetector, ...]" = ()
 
 
 class DrivePlugin(PluginReader):

@@ -14,6 +14,8 @@ from drake_twin.values import is_true, parse_number
 
 GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
 _CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
+LEVELS = "gz::sim"  # the name of the plugin, whose library may have any
+_OF_LEVELS = (LEVELS, "ignition::gazebo")
 CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 
 # Kinds of plugins whose work the twin does without them.
@@ -21,7 +23,8 @@ DONE_HERE = frozenset(
     (
         *("physics-system", "user-commands-system", "scene-broadcaster-system", "sensors-system", "imu-system"),
         *("forcetorque-system", "force-torque-system", "contact-system", "navsat-system", "nav-sat-system"),
-        *("magnetometer-system", "altimeter-system", "air-pressure-system", "logical-camera-system"),
+        *("magnetometer-system", "altimeter-system", "air-pressure-system", "air-speed-system"),
+        "logical-camera-system",
         *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_clock", "gazebo_ros_state"),
     )
 )
@@ -85,8 +88,25 @@ def plugin_kind(plugin: GazeboPlugin) -> str:
         match = pattern.fullmatch(library)
         if match:
             return match[1]
+    if plugin.name in _OF_LEVELS:
+        return LEVELS
     match = CLASS.fullmatch(plugin.name)
     return class_kind(match[1]) if match else library
+
+
+def is_belt(plugin: GazeboPlugin) -> bool:
+    """Tell whether a plugin moves the surface of a link, also of one that stands still."""
+    return plugin_kind(plugin) == "track-controller-system"
+
+
+def works_while_still(plugin: GazeboPlugin) -> bool:
+    """Tell whether a plugin moves or holds something else than its model, which may be static."""
+    return is_belt(plugin) or plugin_kind(plugin) == "detachable-joint-system"
+
+
+def track_links(plugins: Iterable[GazeboPlugin]) -> frozenset[str]:
+    """Return the links whose surfaces are moved by plugins."""
+    return frozenset(link for plugin in plugins if is_belt(plugin) for link in plugin.elements.get("link", ())[:1])
 
 
 def class_kind(name: str) -> str:
@@ -167,10 +187,11 @@ class PluginReader:
 
     Args:
         plugin: The plugin.
+        model: The model of a world that never moves and has it; empty for others.
     """
 
-    def __init__(self, plugin: GazeboPlugin):
-        self.plugin = plugin
+    def __init__(self, plugin: GazeboPlugin, model: str = ""):
+        self.plugin, self.model = plugin, model
         self._taken: set[str] = set()
 
     @property

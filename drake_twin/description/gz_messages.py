@@ -84,6 +84,10 @@ GZ_TYPES: dict[str, GzType] = {
 }
 
 
+# What a gz.msgs.Pose has and ROS's one has not: of the twin's own messages, those of a PerformerDetector have them.
+_NAME, _HEADER_DATA = "name", "header.data"
+
+
 @dataclass(frozen=True)
 class Leaf:
     """A field that is compared.
@@ -103,9 +107,11 @@ class Leaf:
     is_single: bool = False
 
     def fits(self, message: Any, tolerance: float) -> bool:
-        """Tell whether a ROS message has the value there."""
+        """Tell whether a ROS message has the value there; one without the field does not."""
         for name in self.path:
-            message = getattr(message, name)
+            message = getattr(message, name, None)
+        if message is None:
+            return False
         if not isinstance(self.value, tuple):
             return self._equal(self.value, message, tolerance)
         found = list(message)
@@ -169,6 +175,8 @@ def field_leaves(kind: str, name: str, text: str) -> tuple[Leaf, ...]:
         ValueError: If the text is not a value of the field.
         UnknownMessageError: If the type has no such field that the twin knows.
     """
+    if kind == "Pose" and name in (_NAME, _HEADER_DATA):
+        return _of_pose(name, text)
     path: tuple[str, ...] = ()
     *above, last = name.split(".")
     for each in above:
@@ -187,6 +195,19 @@ def field_leaves(kind: str, name: str, text: str) -> tuple[Leaf, ...]:
     if not isinstance(value, dict):
         raise ValueError(f"{last!r} is {value!r}, which is not a message in braces")
     return tuple(_leaves(found, value, path, given_only=False))
+
+
+def _of_pose(name: str, text: str) -> tuple[Leaf, ...]:
+    value = read_value(text)
+    if name == _NAME:
+        return (Leaf((name,), _scalar(TEXT, value, name)),)
+    if not isinstance(value, dict) or not {*value} <= {"key", "value"}:
+        raise ValueError(f"{name!r} is {text!r}, which is not a key and a value in braces")
+    key, *others = [_scalar(TEXT, item, "key") for item in value.get("key", [""])]
+    if others:
+        raise ValueError(f"the field 'key' is given {1 + len(others)} times")
+    values = tuple(_scalar(TEXT, item, "value") for item in value.get("value", ()))
+    return (Leaf(tuple(name.split(".")), ((key, values),), is_in=True),)
 
 
 def _inside(kind: str, name: str, path: tuple[str, ...]) -> tuple[tuple[str, ...], str]:

@@ -5,6 +5,7 @@ the scripts of an installed package.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.python_modules import python_modules, source_of
 from drake_twin.description.setup_expressions import read_setup_cfg, read_setup_py
+from drake_twin.description.setup_py import setup_installs
 from drake_twin.description.share_layout import package_name
 from drake_twin.description.source_file import regular_open
 
@@ -25,12 +27,14 @@ class PythonProgram:
         module: The module of a console script; empty for a script.
         function: The module's function that a console script calls.
         folder: The folder on ``sys.path`` in which the module is found.
+        beside: Of a console script the folders of the modules that are installed beside it, which it imports, too.
     """
 
     file: Path
     module: str = ""
     function: str = ""
     folder: Path | None = None
+    beside: tuple[Path, ...] = ()
 
 
 @lru_cache(maxsize=256)
@@ -43,9 +47,12 @@ def python_programs(package: Path) -> dict[str, PythonProgram]:
     package = source_of(package)
     name = package_name(package)
     found: dict[str, PythonProgram] = {}
-    for executable, entry in _console_scripts(package):
+    scripts = [*_console_scripts(package)]
+    installed = [file for _, file in setup_installs(package, name, "lib")] if scripts else []
+    beside = tuple(dict.fromkeys(file.parent for file in installed if file.suffix == ".py"))
+    for executable, entry in scripts:
         if (program := _of_entry(package, entry)) is not None:
-            found.setdefault(executable, program)
+            found.setdefault(executable, replace(program, beside=beside))
     if (package / "CMakeLists.txt").is_file():
         for place, source in cmake_installs(package, name, "lib"):
             for file in sorted(source.iterdir()) if source.is_dir() else [source]:

@@ -261,6 +261,7 @@ class RobotDescription:
             they can be looked up by name like the robot's own, and are not among its ``joints``.
         root_pose: The pose of the root link in the model's frame, which is what is spawned; of SDF only.
         loose_links: The other links that no joint holds, with their poses in the model's frame; of SDF only.
+        windy_links: The links with ``<enable_wind>``.
     """
 
     name: str
@@ -275,6 +276,7 @@ class RobotDescription:
     base_joints: tuple[Joint, ...] = ()
     root_pose: Pose = field(default_factory=Pose)
     loose_links: Mapping[str, Pose] = field(default_factory=dict)
+    windy_links: tuple[str, ...] = ()
 
     @cached_property
     def root_link(self) -> str:

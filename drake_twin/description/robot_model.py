@@ -154,9 +154,11 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 
 
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
+    from drake_twin.description.added_mass import added_mass_plugins
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.included_model import included_model
     from drake_twin.description.link_surface import sdf_surfaces
+    from drake_twin.description.link_wind import windy_links_of_sdf
     from drake_twin.description.sdf import joint_frictions, prepare_sdf, read_robot_sdf
     from drake_twin.description.sdf_document import check_version
     from drake_twin.description.sdf_values import with_place, wrong_numbers
@@ -174,7 +176,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         description = describe_model(prepared, "sdf", text, file, own_name)
     except InputError as error:
         raise with_place(error, reader) from None
-    plugins = tuple(read_plugins(reader, "model/plugin"))
+    plugins = (*read_plugins(reader, "model/plugin"), *added_mass_plugins(reader, model))
     joints = [
         replace(joint, friction=frictions.pop(joint.name)[0]) if joint.is_movable and joint.name in frictions else joint
         for joint in description.joints
@@ -186,6 +188,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         sensors=tuple(sensors_in_sdf(reader)),
         plugins=plugins,
         surfaces=sdf_surfaces(model),
+        windy_links=tuple(windy_links_of_sdf(model)),
     )
     unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
     gravity = gravity_of_sdf(reader, model)

@@ -6,12 +6,14 @@ along the wheel's own axle.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from math import pi
 
 import numpy as np
 from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions
+from drake_twin.description.gazebo_plugins import track_links
 from drake_twin.description.link_surface import SURFACE_FRICTION
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.description.sdf_document import numbers_in
@@ -54,13 +56,23 @@ def roller_wheels(description: RobotDescription) -> tuple[RollerWheel, ...]:
         return ()
     reader = XmlReader(description.text, description.file)
     poses = link_poses(description)
-    joints = {joint.child: joint for joint in description.movable_joints if joint.type != "prismatic"}
+    tracks = track_links(description.plugins)
+    joints = {
+        joint.child: joint
+        for joint in description.movable_joints
+        if joint.type != "prismatic" and joint.child not in tracks and _turns_round(joint)
+    }
     found = tuple(
         wheel
         for link, friction in _one_way_frictions(reader.root)
         if link in joints and (wheel := _wheel(description, reader, joints[link], poses, friction)) is not None
     )
     return found if len(found) >= _LEAST else ()
+
+
+def _turns_round(joint: Joint) -> bool:
+    """Tell whether a joint can turn as a wheel does; the arm of a flipper cannot."""
+    return joint.type != "revolute" or joint.limits.upper - joint.limits.lower >= 2 * pi
 
 
 def roller_links(description: RobotDescription) -> frozenset[str]:

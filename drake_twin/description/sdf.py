@@ -6,11 +6,14 @@ from typing import NamedTuple
 
 from lxml import etree
 
+from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_addresses import SdfAddresses
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.sdf_nested import flatten_models
 from drake_twin.description.sdf_shapes import lay_slabs
+from drake_twin.description.sdf_unknown_frames import forget_unknown_frames
+from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.values import is_true
@@ -43,14 +46,17 @@ def read_robot_sdf(text: str, file: Path) -> tuple[XmlReader, list[Finding]]:
     if reader.root.tag != "sdf" or len(models) != 1:
         what = "a world" if reader.root.find("world") is not None else f"{len(models)} models"
         raise reader.error(reader.root, f"a robot is an SDF file with one <model>, but this holds {what}")
-    return reader, list(flatten_models(models[0], reader))
+    findings = list(flatten_models(models[0], reader))
+    for pose, what in forget_unknown_frames(models[0]):
+        findings.append(Finding.at(Kind.WARNING, what, reader.place(pose), weight=weight_of(pose)))
+    return reader, findings
 
 
 def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
     """Convert a robot's model to the one that Drake is given, with the twin's name and meshes that Drake reads.
 
     Raises:
-        InputError: If a joint to the world is not fixed, or a value is invalid.
+        InputError: If a value is invalid.
     """
     reader = reader.copy()
     file = reader.file
@@ -68,11 +74,16 @@ def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageInde
         lay_slabs(model)
     held: list[str] = []
     for joint in model.findall("joint"):
-        if (joint.findtext("parent") or "").strip() == "world":
-            if joint.get("type") != "fixed":
-                raise reader.error(joint, "a joint to the world must be fixed")
+        parent = joint.find("parent")
+        if parent is None or (parent.text or "").strip() != "world":
+            continue
+        if joint.get("type") == "fixed":
             held.append((joint.findtext("child") or "").strip())
             model.remove(joint)
+        else:
+            parent.text = _world_link(model)
+            held.insert(0, parent.text)
+    held = list(dict.fromkeys(held))
     if held and not is_fixed:
         if len(_roots(model)) > 1:
             _weld(model, held)
@@ -112,6 +123,15 @@ def _roots(model: etree._Element) -> list[str]:
     """Return the links that no joint holds."""
     children = {(joint.findtext("child") or "").strip() for joint in model.findall("joint")}
     return [name for link in model.findall("link") if (name := link.get("name", "")) not in children]
+
+
+def _world_link(model: etree._Element) -> str:
+    """Return the link that stands for the world in a model's movable joints to it, as a URDF's ``world``; add it."""
+    name = drake_link_name("world")
+    if all(link.get("name") != name for link in model.findall("link")):
+        link = etree.Element("link", name=name)
+        model.insert(0, link)
+    return name
 
 
 def _weld(model: etree._Element, links: Sequence[str]) -> None:

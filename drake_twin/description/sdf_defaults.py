@@ -10,7 +10,7 @@ from drake_twin.values import number_or_none
 # Element that the twin does not use → the values with which it asks for nothing, by SDF 1.9; true is 1 and false 0.
 _DEFAULTS: Mapping[str, tuple[str, ...]] = {
     # of models and links
-    **dict.fromkeys(("enable_wind", "kinematic", "must_be_base_link", "self_collide"), ("0",)),
+    **dict.fromkeys(("kinematic", "must_be_base_link", "self_collide"), ("0",)),
     "allow_auto_disable": ("1",),
     **dict.fromkeys(("linear", "angular"), ("0",)),  # decay of a link's velocity
     # of joints

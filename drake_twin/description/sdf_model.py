@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
+from drake_twin.description.auto_inertia import MOMENTS, give_auto_inertias
 from drake_twin.description.caster_balls import weld_caster_balls
 from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
@@ -37,7 +38,7 @@ KEPT = {
 # They do not affect the motion, and are not worth a finding.
 _SILENT = {"allow_auto_disable", "must_be_base_link", "max_contacts", "laser_retro", "cast_shadows", "meta", "physics"}
 _SILENT |= {"visibility_flags", "plugin_data", "density", "auto_inertia_params", "audio_sink", "lighting"}
-_SILENT |= {"description", "origin", "pose_publish"}
+_SILENT |= {"description", "origin", "pose_publish", "enable_wind"}
 
 _LIMITLESS = ("ball", "universal", "screw")
 _JOINTS = ("fixed", "revolute", "continuous", "prismatic", "planar", *_LIMITLESS)
@@ -54,6 +55,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     Returns:
         What was left out and what was changed, each once.
     """
+    of_inertia = [Finding(Kind.WARNING, what) for what in give_auto_inertias(model, reader, find)]
     unknown = [
         Finding(Kind.IGNORED, what, weight=weight, cause=Cause.UNREAD) for what, weight in _unknown_elements(model)
     ]
@@ -76,7 +78,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
             parent.remove(nested)
     return [
         replace(finding, what=finding.what + (f" ({count} times)" if count > 1 else ""))
-        for finding, count in Counter((*unknown, *found)).items()
+        for finding, count in Counter((*unknown, *of_inertia, *found)).items()
     ]
 
 
@@ -252,12 +254,9 @@ def _inertias(model: etree._Element) -> Iterator[str]:
                     yield f"link {link.get('name', '')}: {why}"
 
 
-_MOMENTS = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-
-
 def _inertia(element: etree._Element) -> np.ndarray | None:
     tensor = np.eye(3)  # SDF's default
-    for name, (row, column) in _MOMENTS.items():
+    for name, (row, column) in MOMENTS.items():
         child = element.find(name)
         value = tensor[row, column] if child is None else number_in(child)
         if value is None or not isfinite(value):
@@ -269,5 +268,5 @@ def _inertia(element: etree._Element) -> np.ndarray | None:
 def _set_inertia(element: etree._Element, tensor: np.ndarray) -> None:
     for child in list(element):
         element.remove(child)
-    for name, (row, column) in _MOMENTS.items():
+    for name, (row, column) in MOMENTS.items():
         etree.SubElement(element, name).text = f"{float(tensor[row, column]):.17g}"

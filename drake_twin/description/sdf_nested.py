@@ -11,6 +11,7 @@ from drake_twin.description.sdf_document import free_name, modernize
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, at_places
 
+_FLAGS = ("self_collide", "enable_wind")  # of a model, for its links
 _REFERENCES = ("relative_to", "attached_to", "expressed_in")
 _NAMES_OF_OTHERS = re.compile(r"(.*_)?(topic|namespace)", re.IGNORECASE)
 
@@ -145,7 +146,7 @@ def _move(
         etree.SubElement(nested, "pose").text = "0 0 0 0 0 0"
     if canonical_link:
         placed.set("attached_to", canonical_link)
-    self_collide = nested.find("self_collide")
+    flags = [flag for tag in _FLAGS if (flag := nested.find(tag)) is not None]
     for child in list(nested):
         if child.tag == "pose":
             placed.append(child)
@@ -157,9 +158,10 @@ def _move(
                 child.set("attached_to", frame)
             if child.tag == "link":
                 _place(child, frame)
-            if child.tag == "link" and self_collide is not None and child.find("self_collide") is None:
-                child.append(deepcopy(self_collide))
-        elif child is not self_collide and isinstance(child.tag, str) and not asks_for_nothing(child):
+            for flag in flags if child.tag == "link" else ():
+                if child.find(flag.tag) is None:
+                    child.append(deepcopy(flag))
+        elif child not in flags and isinstance(child.tag, str) and not asks_for_nothing(child):
             lost.append(child)
     model.remove(nested)
 

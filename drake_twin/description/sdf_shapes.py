@@ -32,6 +32,9 @@ _SIZES = {
     "cone": ("radius", "length"),
     "ellipsoid": ("radii",),
 }
+# What is not there has the value of SDFormat's description of the shape.
+_DEFAULTS = {"size": "1 1 1", "radius": "1", "length": "1", "radii": "1 1 1"}
+_OF_CAPSULE = {"radius": "0.5"}
 _SHAPES = (*_SIZES, "plane", "mesh")
 _COUNTS = {"size": 3, "radii": 3}  # of numbers; else one
 _CONE_SIDES = 48
@@ -59,6 +62,8 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
         assert link is not None
         kinds = [child for child in geometry if isinstance(child.tag, str)] if geometry is not None else []
         kind = kinds[0] if kinds else None
+        if kind is not None and (added := _complete(kind)):
+            yield f"a {shape.tag} <{kind.tag}> has {added}, as in Gazebo: it gives none", weight_of(shape)
         reason = None
         if kind is None or kind.tag == "empty":
             reason = ""
@@ -76,10 +81,39 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
             yield from ((what, weight_of(shape)) for what in _wrong_in_plane(kind, shape))
 
 
+def _complete(kind: etree._Element) -> str:
+    """Add the sizes that a shape does not give; return what was added."""
+    added = []
+    for tag in _SIZES.get(str(kind.tag), ()):
+        if kind.find(tag) is None:
+            etree.SubElement(kind, tag).text = _default(kind, tag)
+            added.append(f"the {tag} {_default(kind, tag)}")
+    return " and ".join(added)
+
+
+def _default(kind: etree._Element, tag: str) -> str:
+    return (_OF_CAPSULE if kind.tag == "capsule" else {}).get(tag, _DEFAULTS[tag])
+
+
+def sizes_of(kind: etree._Element) -> list[float] | None:
+    """Return the sizes of a shape with some, one after the other (m); None for one without, or with invalid ones."""
+    found: list[float] = []
+    for tag in _SIZES.get(str(kind.tag), ()):
+        element = kind.find(tag)
+        sizes = _sizes(tag, _default(kind, tag) if element is None else element.text)
+        if sizes is None:
+            return None
+        found += sizes
+    return found or None
+
+
+def _sizes(tag: str, text: str | None) -> list[float] | None:
+    sizes = [size for size in numbers_in(text) if size is not None and 0 < size < LARGEST]
+    return sizes if len(sizes) == len((text or "").split()) == _COUNTS.get(tag, 1) else None
+
+
 def _has_size(element: etree._Element | None) -> bool:
-    sizes = [] if element is None else numbers_in(element.text)
-    count = _COUNTS.get(str(element.tag), 1) if element is not None else 1
-    return len(sizes) == count and all(size is not None and 0 < size < LARGEST for size in sizes)
+    return element is not None and _sizes(str(element.tag), element.text) is not None
 
 
 def _written(kind: etree._Element) -> str:
@@ -252,7 +286,7 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
                 yield "a <submesh> is not used: the whole mesh is", weight_of(shape)
         uri = mesh.find("uri")
         address = (mesh.findtext("uri") or "").strip()
-        scale = _scale(mesh)
+        scale = mesh_scale(mesh)
         try:
             if uri is None or scale is None:
                 raise InputError("<uri> is missing" if uri is None else "its scale lacks a number, or one is zero")
@@ -301,7 +335,8 @@ def _give_hull(shape: etree._Element, mesh: etree._Element, file: Path, scale: t
     _move_shape(shape, rotation, rotation.T @ np.array(primitive.center))
 
 
-def _scale(mesh: etree._Element) -> tuple[float, float, float] | None:
+def mesh_scale(mesh: etree._Element) -> tuple[float, float, float] | None:
+    """Return the scale of a ``<mesh>``; None if it lacks a number, or one is zero."""
     parts = numbers_in(mesh.findtext("scale") or "1 1 1")
     values = [part for part in parts if part is not None and isfinite(part) and abs(part) > 1e-8]
     return (values[0], values[1], values[2]) if len(parts) == len(values) == 3 else None

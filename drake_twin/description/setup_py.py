@@ -1,4 +1,4 @@
-"""What a package's setup.py or setup.cfg installs into its share folder; ``data_files`` is read, not run."""
+"""What a package's setup.py or setup.cfg installs into its folders; ``data_files`` is read, not run."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -6,16 +6,17 @@ from pathlib import Path
 from drake_twin.description.setup_expressions import MOST_FILES, glob_in, read_setup_cfg, read_setup_py
 
 
-def setup_installs(package: Path, name: str) -> Iterator[tuple[str, Path]]:
+def setup_installs(package: Path, name: str, kind: str = "share") -> Iterator[tuple[str, Path]]:
     """Yield each place below the share folder of a package, and the file of its source that goes there.
 
     Args:
         package: The folder with the setup.py.
         name: The package's name.
+        kind: ``share``; or ``lib`` for the folder of its programs.
     """
     for destination, files in [*_setup_cfg(package), *_setup_py(package)]:
         parts = [part for part in destination.split("/") if part not in ("", ".")]
-        if parts[:2] != ["share", name] or ".." in parts:
+        if parts[:2] != [kind, name] or ".." in parts:
             continue
         for file in files[:MOST_FILES]:
             source = package / file

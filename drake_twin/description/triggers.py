@@ -1,8 +1,8 @@
-"""What publishes messages when it hears one, as gz-sim's TriggeredPublisher does, as plain data."""
+"""What publishes and calls services when it hears a message, as gz-sim's TriggeredPublisher does, as plain data."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field
-from typing import Any
+from typing import Any, Protocol
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import CannotWorkError, PluginReader, plugin_node_name
@@ -15,7 +15,9 @@ from drake_twin.description.gz_messages import (
     message_leaves,
     ros_fields,
 )
+from drake_twin.description.gz_requests import GzRequest, UnknownRequestError, read_request
 from drake_twin.description.plugin_element import PluginElement
+from drake_twin.description.touches import EnableTouch, TouchDetector
 from drake_twin.findings import Place
 from drake_twin.values import parse_number
 
@@ -24,9 +26,17 @@ _TOLERANCE = 1e-8
 _LOGIC = ("positive", "negative")
 
 
+class Condition(Protocol):
+    """A condition on a message."""
+
+    def holds(self, message: Any) -> bool:
+        """Tell whether it holds for a ROS message."""
+        ...
+
+
 @dataclass(frozen=True)
 class Match:
-    """A condition on a message.
+    """What a message has, or has not, in some fields.
 
     Attributes:
         leaves: The fields that are compared.
@@ -53,6 +63,23 @@ class TriggeredMessage:
 
 
 @dataclass(frozen=True)
+class TriggeredRequest:
+    """A service that is called.
+
+    Attributes:
+        service: Its name.
+        world: The name of the world in that.
+        request: The request; None where the twin has no such service.
+        problem: Why it has none; empty if it has.
+    """
+
+    service: str
+    world: str = ""
+    request: GzRequest | None = None
+    problem: str = ""
+
+
+@dataclass(frozen=True)
 class Trigger:
     """What waits for a message.
 
@@ -63,15 +90,17 @@ class Trigger:
         matches: The conditions; all have to hold.
         delay: The time until it publishes (s).
         messages: What it publishes then.
+        requests: The services that it calls then, after that.
         place: Where it was written.
     """
 
     name: str
     topic: str
     type: str
-    matches: tuple[Match, ...] = ()
+    matches: tuple[Condition, ...] = ()
     delay: float = 0.0
     messages: tuple[TriggeredMessage, ...] = ()
+    requests: tuple[TriggeredRequest, ...] = ()
     place: Place = field(default=Place(""), compare=False)
 
     def hears(self, message: Any) -> bool:
@@ -83,18 +112,19 @@ def read_trigger(plugin: PluginReader) -> Trigger:
     """Read ``gz-sim-triggered-publisher-system``.
 
     Raises:
-        CannotWorkError: If it has no input or no output, or they have a type or a field that the twin does not know.
+        CannotWorkError: If it has no input or does nothing, or has a type or a field that the twin does not know.
         InputError: If a value is invalid; with file and line.
     """
-    for tag in ("input", "input/match", "output"):
+    for tag in ("input", "input/match", "output", "service"):
         plugin.has(tag)
     tree = plugin.plugin.tree
     source = next((item for item in tree if item.tag == "input"), None)
     outputs = [item for item in tree if item.tag == "output"]
     if source is None:
         raise CannotWorkError("<input> is missing")
-    if not outputs:
-        raise CannotWorkError("it publishes nothing: <output> is missing")
+    services = [item for item in tree if item.tag == "service"]
+    if not outputs and not services:
+        raise CannotWorkError("it does nothing: <output> or <service> is missing")
     delay = plugin.number("delay_ms", 0.0)
     try:
         kind = gz_type(_attribute(source, "type"))
@@ -102,6 +132,7 @@ def read_trigger(plugin: PluginReader) -> Trigger:
         if not matches and any(item.tag == "match" for item in source.inside):
             raise CannotWorkError("its <match> is empty")
         messages = tuple(_message(plugin, item) for item in outputs)
+        requests = tuple(_request(plugin, item) for item in services)
     except UnknownMessageError as error:
         raise CannotWorkError(str(error)) from None
     return Trigger(
@@ -111,8 +142,23 @@ def read_trigger(plugin: PluginReader) -> Trigger:
         matches=tuple(matches),
         delay=max(delay, 0.0) / 1000.0,
         messages=messages,
+        requests=requests,
         place=plugin.plugin.place,
     )
+
+
+def enabling_triggers(detector: TouchDetector, topic: str) -> Iterator[Trigger]:
+    """Yield what lets a detector of touches look, or no longer look, as a message says; gz-sim has a service for it.
+
+    Args:
+        detector: The detector.
+        topic: Its namespace of topics in gz's transport.
+    """
+    for is_enabled in (True, False):
+        request = TriggeredRequest(f"{topic}/enable", request=EnableTouch(topic, is_enabled))
+        is_meant = Match((Leaf(("data",), is_enabled),))
+        kind = GZ_TYPES["Boolean"].ros
+        yield Trigger(detector.name, f"{topic}/enable", kind, (is_meant,), requests=(request,), place=detector.place)
 
 
 def _attribute(element: PluginElement, name: str) -> str:
@@ -152,3 +198,17 @@ def _message(plugin: PluginReader, element: PluginElement) -> TriggeredMessage:
     except ValueError as error:
         raise plugin.error(f"<output> is {element.text!r}: {error}") from None
     return TriggeredMessage(_topic(element), GZ_TYPES[kind].ros, fields)
+
+
+def _request(plugin: PluginReader, element: PluginElement) -> TriggeredRequest:
+    name = _attribute(element, "name")
+    kind, text = _attribute(element, "reqType"), _attribute(element, "reqMsg")
+    for each in ("repType", "timeout"):
+        _attribute(element, each)
+    try:
+        world, request = read_request(name, kind, text)
+    except UnknownRequestError as error:
+        return TriggeredRequest(name, problem=str(error))
+    except ValueError as error:
+        raise plugin.error(f"reqMsg of <service> is {text!r}: {error}") from None
+    return TriggeredRequest(name, world, request)

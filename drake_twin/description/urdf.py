@@ -60,7 +60,16 @@ def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
         sensors=tuple(sensors_in_urdf(reader)),
         text=text,
         file=reader.file,
+        windy_links=_windy_links(root, text),
     )
+
+
+def _windy_links(root: etree._Element, text: str) -> tuple[str, ...]:
+    if "enable_wind" not in text:
+        return ()
+    from drake_twin.description.link_wind import windy_links_of_urdf
+
+    return windy_links_of_urdf(root)
 
 
 def _joint(reader: XmlReader, element: etree._Element) -> Joint:

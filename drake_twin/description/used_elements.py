@@ -6,6 +6,7 @@ from dataclasses import field
 from lxml import etree
 
 from drake_twin.dataclass import dataclass
+from drake_twin.description.added_mass import ADDED_MASS_ENTRIES
 from drake_twin.findings import Weight
 
 DRAKE = "{http://drake.mit.edu}"  # the namespace of what Drake's parser reads itself
@@ -85,7 +86,8 @@ URDF = _part(
     gazebo=_part(
         "reference",
         "material",
-        "mu1 mu2 selfCollide self_collide static gravity turnGravityOff preserveFixedJoint disableFixedJointLumping",
+        "mu1 mu2 selfCollide self_collide enable_wind static gravity turnGravityOff"
+        " preserveFixedJoint disableFixedJointLumping",
         collision=_part(surface=_SURFACE),
         visual=_part(material=_part(texts="diffuse ambient")),
     ),
@@ -111,16 +113,22 @@ _AXIS = _part(
 )
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
-    "static self_collide",
+    "static self_collide enable_wind",
     pose=_POSE,
     frame=_part("name attached_to", pose=_POSE),
     link=_part(
         "name",
-        "gravity self_collide",
+        "gravity self_collide enable_wind",
         pose=_POSE,
-        inertial=_part(texts="mass", pose=_POSE, inertia=_part(texts="ixx ixy ixz iyy iyz izz")),
+        inertial=_part(
+            "auto",
+            "mass density",
+            pose=_POSE,
+            inertia=_part(texts="ixx ixy ixz iyy iyz izz"),
+            fluid_added_mass=_part(texts=" ".join(ADDED_MASS_ENTRIES)),
+        ),
         visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient emissive")),
-        collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
+        collision=_part("name", "density", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
     joint=_part("name type", "parent child thread_pitch screw_thread_pitch", pose=_POSE, axis=_AXIS, axis2=_AXIS),
 )
@@ -149,7 +157,7 @@ NO_EFFECT_IN_WORLDS = frozenset(
             "pbr",
             "transparency",
         ),
-        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "fluid_added_mass", "auto"),
+        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh"),
         *("stiffness", "dissipation", "heightmap", "image", "polyline", "convex_decomposition"),
         *("ode", "dart", "simbody", "magnetic_field"),  # of <physics>
         *("model", "plugin", "sensor", "light", "gripper", "particle_emitter", "projector"),

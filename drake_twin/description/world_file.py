@@ -15,7 +15,8 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
+from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind, works_while_still
+from drake_twin.description.link_wind import windy_links_of_sdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -23,13 +24,20 @@ from drake_twin.description.saved_state import SavedState
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
+from drake_twin.description.sdf_unknown_frames import forget_unknown_frames
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
-from drake_twin.description.world_plugins import WorldPlugin, is_world_plugin, read_world_plugins, take_triggers
+from drake_twin.description.world_plugins import (
+    WIND_EFFECTS,
+    WorldPlugin,
+    is_world_plugin,
+    read_world_plugins,
+    take_triggers,
+)
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.world_wrenches import WRENCH_SYSTEM, WrenchSystem, read_wrench_systems
 from drake_twin.description.xacro_file import expand_xacro
@@ -74,6 +82,7 @@ class WorldModel:
         place: Where the world asks for it.
         robot: Its own SDF, if one of its plugins drives it: it is a robot that stands in the world's file.
         sensing: It and the models inside it that have sensors; one inside another is called ``OUTER::INNER``.
+        windy_links: The links with ``<enable_wind>``; one of a model inside it is called ``INNER::LINK``.
     """
 
     name: str
@@ -84,6 +93,7 @@ class WorldModel:
     place: Place = field(default=Place(""))
     robot: RobotText | None = None
     sensing: tuple[RobotDescription, ...] = ()
+    windy_links: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -116,6 +126,11 @@ class WorldFile:
     def forces(self) -> tuple[WorldPlugin, ...]:
         """Those of its plugins that exert forces."""
         return tuple(plugin for plugin in self.plugins if plugin.exerts_forces)
+
+    @property
+    def wind_effects(self) -> Any:
+        """The `WindEffectsParameters` of the first plugin that lets its wind change; None without one."""
+        return next((plugin.parameters for plugin in self.plugins if plugin.type == WIND_EFFECTS), None)
 
 
 def read_world(
@@ -152,15 +167,24 @@ def read_world(
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
 
 
-def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins drives it."""
+def _robot_text(
+    model: etree._Element, version: tuple[int, ...], reader: XmlReader, *, is_still: bool
+) -> RobotText | None:
+    """Return a model's own SDF if one of its plugins, or the fluid about it, drives it.
+
+    Of a static one those count that move something else, as a belt does.
+    """
     plugins = model.findall("plugin")
-    if not plugins:
+    has_mass_of_fluid = next(model.iter("fluid_added_mass"), None) is not None
+    if not plugins and not has_mass_of_fluid:
         return None
     from drake_twin.description.gazebo_drives import is_drive
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    if not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
+    drives = any(works_while_still(plugin) for plugin in found)
+    if not is_still:
+        drives = drives or has_mass_of_fluid or any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found)
+    if not drives:
         return None
     copy = deepcopy(model)
     for pose in copy.findall("pose"):
@@ -313,18 +337,20 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
-        robot = None if static else _robot_text(model, version, reader)
+        robot = _robot_text(model, version, reader, is_still=static)
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
+        frames = [Finding(Kind.WARNING, what, weight=weight_of(pose)) for pose, what in forget_unknown_frames(model)]
+        windy = () if static else tuple(windy_links_of_sdf(model))
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
-        before = (*unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
+        before = (*frames, *unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
         for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[replace(finding, file="", lines=())][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described())
+        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described(), windy)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
         """Yield each model of the world, includes replaced.

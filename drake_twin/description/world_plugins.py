@@ -25,19 +25,22 @@ class WorldPlugin:
 
     Attributes:
         type: What exerts its forces, as `drake_twin.controllers.world_forces.WORLD_FORCES` names it, or
-            `drake_twin.description.gazebo_drive.TRIGGERED_PUBLISHER`.
+            one of the kinds of `drake_twin.description.gazebo_drive` that exert none.
         parameters: The parameters of that.
         exerts_forces: Whether it exerts some.
+        model: The model that never moves and has it; empty if the world has it.
     """
 
     type: str
     parameters: Any
     exerts_forces: bool = True
+    model: str = ""
 
 
 ConvertWorldPlugin: TypeAlias = Callable[[PluginReader], WorldPlugin]
 
-_TRIGGERED = "triggered-publisher-system"
+WIND_EFFECTS = "gz_sim/WindEffects"
+_OF_STATIC = ("triggered-publisher-system", "performer-detector-system", "touchplugin-system")
 
 # By the kind of plugin, as `plugin_kind` names it.
 WORLD_PLUGINS: Registry[ConvertWorldPlugin] = Registry(
@@ -83,18 +86,22 @@ def read_world_plugins(reader: XmlReader, world: etree._Element) -> Iterator[Wor
 def take_triggers(reader: XmlReader, model: etree._Element) -> Iterator[WorldPlugin | Finding]:
     """Convert those plugins of a static model that only publish messages, and remove them from it.
 
+    Args:
+        reader: The document.
+        model: The model, with its name in the world.
+
     Raises:
         InputError: If a value is invalid; with file and line.
     """
     for element in model.findall("plugin"):
         plugin = read_plugin(reader, element)
-        if plugin_kind(plugin) == _TRIGGERED:
+        if plugin_kind(plugin) in _OF_STATIC:
             model.remove(element)
-            yield from _converted(plugin)
+            yield from _converted(plugin, model.get("name", ""))
 
 
-def _converted(plugin: GazeboPlugin) -> Iterator[WorldPlugin | Finding]:
-    values = PluginReader(plugin)
+def _converted(plugin: GazeboPlugin, model: str = "") -> Iterator[WorldPlugin | Finding]:
+    values = PluginReader(plugin, model)
     try:
         yield WORLD_PLUGINS[plugin_kind(plugin)](values)
     except CannotWorkError as error:

@@ -3,7 +3,7 @@
 A plant has one port for them all, and a port takes one connection.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,10 +14,15 @@ from pydrake.systems.primitives import ConstantValueSource, Multiplexer, PassThr
 
 from drake_twin.controllers.body_forces import BodyForces, ForceController, RobotBody
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments, bodies_that_gain_energy
+from drake_twin.diagram.plant import PlantOfTwin
+from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
 
 if TYPE_CHECKING:
     from drake_twin.controllers.world_forces import WorldForces
+    from drake_twin.description.world_file import WorldFile
+    from drake_twin.systems.wind import Wind
 
 # No robot has such names.
 _ON_LINKS = "forces/on_links"
@@ -27,21 +32,31 @@ _ALL = "forces/all"
 
 def apply_forces(
     builder: DiagramBuilder,
-    plant: MultibodyPlant,
-    controllers: Sequence[tuple[ForceController, OutputPort]],
-    of_world: "Sequence[WorldForces]" = (),
+    parts: PlantOfTwin,
+    plans: Sequence[RobotPlan],
+    robots: Mapping[str, RobotDiagram],
+    world_file: "WorldFile | None",
+    wind: "tuple[float, float, float] | Wind",
 ) -> Iterator[Finding]:
     """Apply the forces of controllers and the world and the moments that tumbling bodies need; leave room for pushes.
 
     Args:
         builder: The root diagram's builder.
-        plant: The finalized plant.
-        controllers: The controllers that exert forces, and their ports ``signals`` on their robots' diagrams.
-        of_world: The forces of plugins of the world.
+        parts: The finalized plant.
+        plans: The robots.
+        robots: Their diagrams.
+        world_file: The content of the world file.
+        wind: The velocity of the air in the world (m/s), or the system of one that changes.
 
     Yields:
         What keeps them from it.
     """
+    plant, of_world = parts.plant, []
+    controllers = [item for robot in robots.values() for item in robot.forces()]
+    if world_file is not None and world_file.forces:
+        from drake_twin.diagram.world_forces import forces_of_world
+
+        of_world = forces_of_world(parts, plans, world_file)
     if builder.IsConnectedOrExported(plant.get_applied_spatial_force_input_port()):
         what = "a system of yours is connected to the plant's port applied_spatial_force"
         if bodies := ", ".join(bodies_that_gain_energy(plant)):
@@ -51,7 +66,7 @@ def apply_forces(
         if of_world:
             yield Finding(Kind.NOT_STARTED, f"{what}: the plugins of the world exert no forces")
         return
-    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers, of_world)
+    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers, of_world, wind)
     sources = [source for source in found if source is not None]
     if not sources:
         return
@@ -100,28 +115,36 @@ def _forces_of(
     plant: MultibodyPlant,
     controllers: Sequence[tuple[ForceController, OutputPort]],
     of_world: "Sequence[WorldForces]",
+    wind: "tuple[float, float, float] | Wind",
 ) -> OutputPort | None:
     """Add the system that computes the forces of controllers and of the world, and Drake's own that applies them."""
     by_kind: dict[type[BodyForces], list[tuple[ForceController, OutputPort]]] = {}
     for controller, signals in controllers:
         by_kind.setdefault(controller.Forces, []).append((controller, signals))
-    kinds: list[tuple[BodyForces, int]] = [(forces, 0) for forces in of_world if forces.bodies]
-    ports = []
-    for kind, found in sorted(by_kind.items(), key=lambda entry: entry[0].is_last):
+    steady = wind if isinstance(wind, tuple) else None
+    blows = [] if isinstance(wind, tuple) else [wind.get_blows_output_port()]
+    kinds: list[tuple[BodyForces, list[OutputPort]]] = [
+        (forces, blows if forces.has_wind_signal else []) for forces in of_world if forces.bodies
+    ]
+    for kind, found in by_kind.items():
         sources: list[tuple[ForceController, RobotBody]] = []
         for controller, _ in found:
             assert controller.body is not None
             sources.append((controller, controller.body))
-        kinds.append((kind(sources), sum(signals.size() for _, signals in found)))
-        ports += [signals for _, signals in found if signals.size()]
+        kinds.append((kind(sources), [signals for _, signals in found if signals.size()]))
     if not kinds:
         return None
+    kinds.sort(key=lambda entry: entry[0].is_last)
+    ports = [port for _, signals in kinds for port in signals]
+    sizes = [(forces, sum(port.size() for port in signals)) for forces, signals in kinds]
     from drake_twin.controllers.applied_forces import AppliedForces
 
     generalized = plant.get_applied_generalized_force_input_port()
     is_left = not builder.IsConnectedOrExported(generalized)
-    system = builder.AddNamedSystem(_ON_LINKS, AppliedForces(plant, kinds, may_be_generalized=is_left))
+    system = builder.AddNamedSystem(_ON_LINKS, AppliedForces(plant, sizes, may_be_generalized=is_left, wind=steady))
     builder.Connect(plant.get_state_output_port(), system.GetInputPort("state"))
+    if not isinstance(wind, tuple):
+        builder.Connect(wind.get_velocity_output_port(), system.GetInputPort("wind"))
     if ports:
         joined = builder.AddNamedSystem("forces/signals", Multiplexer([port.size() for port in ports]))
         for number, port in enumerate(ports):

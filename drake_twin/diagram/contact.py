@@ -18,6 +18,7 @@ from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
 from drake_twin.diagram.contact_shapes import ContactShape, ShapeReader
 from drake_twin.diagram.extreme_shapes import said_of_extremes
+from drake_twin.diagram.hard_tracks import gradient_of_ground
 from drake_twin.diagram.rims_and_corners import with_points
 from drake_twin.diagram.supports import share_weight
 
@@ -87,7 +88,7 @@ def give_contact(
         shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
     warnings.extend(said_of_extremes(shapes))
     shapes = with_points(share_weight(plant, shapes, models), warnings)
-    registry = Registry(plant, scene_graph)
+    registry = Registry(plant, scene_graph, gradient_of_ground(shapes))
     for shape, wanted in zip(shapes, variants(shapes, warnings), strict=True):
         registry.add(shape, wanted)
     registry.filter()

@@ -5,10 +5,12 @@ from math import pi
 
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
+    AddCompliantHydroelasticPropertiesForHalfSpace,
     AddContactMaterial,
     AddRigidHydroelasticProperties,
     Convex,
     Cylinder,
+    HalfSpace,
     ProximityProperties,
     SceneGraphConfig,
     Shape,
@@ -70,7 +72,13 @@ _DEFAULTS = SceneGraphConfig().default_proximity_properties
 
 
 def candidates(
-    shape: ContactShape, friction: float, *, soft: Yielding | None, is_rigid: bool, is_discrete: bool
+    shape: ContactShape,
+    friction: float,
+    *,
+    soft: Yielding | None,
+    is_rigid: bool,
+    is_discrete: bool,
+    gradient: float | None = None,
 ) -> Iterator[tuple[bool, ProximityProperties]]:
     """Yield the possible properties of a shape, the best first, each with whether it has faces.
 
@@ -82,8 +90,22 @@ def candidates(
         soft: The shape whose faces yield, if they do.
         is_rigid: Whether it has faces that do not yield.
         is_discrete: Whether the engine has fixed steps.
+        gradient: How fast the pressure rises in what yields (Pa/m); None for what follows from its mass.
     """
-    if soft is not None:
+    if soft is not None and gradient is not None:
+        properties = _material(shape, friction)
+        modulus, depth = gradient * (soft.depth or 1.0), soft.depth or 1.0
+        if isinstance(soft.shape, HalfSpace):
+            AddCompliantHydroelasticPropertiesForHalfSpace(
+                slab_thickness=depth, hydroelastic_modulus=modulus, properties=properties
+            )
+        else:
+            AddCompliantHydroelasticProperties(
+                resolution_hint=_resolution(soft.shape), hydroelastic_modulus=modulus, properties=properties
+            )
+        properties.AddProperty("hydroelastic", "margin", 0.0)
+        yield True, properties
+    elif soft is not None:
         modulus, hint = _modulus(shape, soft.depth), _resolution(shape.shape)
         for margin in dict.fromkeys((_margin(shape, soft, is_discrete=is_discrete), 0.0)):
             properties = _material(shape, friction)

@@ -4,10 +4,10 @@ Drake stores two properties per shape that depend on its partner: whether it yie
 registered once for each kind of partner that needs another value, and collision filters let each pair of shapes meet
 exactly once:
 
-- *Yielding.* Of two shapes one has to yield. Static shapes never do. Of two moving shapes the lighter one yields and
-  the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the patch, which brakes a slide
-  by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost time in every step, and robots
-  rarely slide on one another.
+- *Yielding.* Of two shapes one has to yield. Static shapes do to tracks alone (``hard_tracks``). Of two moving shapes
+  the lighter one yields and the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the
+  patch, which brakes a slide by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost
+  time in every step, and robots rarely slide on one another.
 - *Friction.* Gazebo uses the smaller coefficient of two shapes, Drake 2·a·b/(a + b). A shape is registered at its own
   level of friction and at the levels of the smoother shapes that it meets: at each level both partners have the same
   coefficient. Of hundreds of static shapes each is registered once; for them, moving shapes are registered with the
@@ -29,12 +29,16 @@ from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group, Part, has_short_steps
+from drake_twin.diagram.hard_tracks import hard_track, yielding_ground
 from drake_twin.diagram.yielding_shapes import hard, yielding
 from drake_twin.errors import InputError
 
 # The role of a shape towards a partner: rigid because it is static, yielding, rigid because the partner yields, or with
 # point contact.
 STATIC, SOFT, HARD, POINTED = "static", "soft", "hard", "pointed"
+
+# The roles of tracks and of static shapes towards each other (``hard_tracks``).
+BELT, GROUND = "belt", "ground"
 
 
 # Above this number of static shapes each is registered once (a plant takes time and memory with the square of their
@@ -55,7 +59,7 @@ class Variant:
 
     Attributes:
         level: The coefficient of friction that two shapes share so that they can meet, or `_ONE_FOR_ALL`.
-        role: `STATIC`, `SOFT`, `HARD` or `POINTED`.
+        role: `STATIC`, `SOFT`, `HARD`, `POINTED`, `BELT` or `GROUND`.
         friction: The coefficient of friction.
     """
 
@@ -73,6 +77,7 @@ class _Class(NamedTuple):
     role: str
     is_loose: bool
     part: Part
+    is_track: bool
 
 
 def usual_role(shape: ContactShape) -> str:
@@ -104,6 +109,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             usual_role(shape),
             shape.is_loose,
             shape.part,
+            shape.is_track,
         )
         for shape in shapes
     ]
@@ -121,6 +127,8 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
             assert one.group is not None
             assert other.group is not None
             roles = (SOFT, HARD) if one.group < other.group else (HARD, SOFT)
+        elif set(roles) == {SOFT, STATIC} and (one.is_track or other.is_track):
+            roles = (BELT, GROUND) if one.is_track else (GROUND, BELT)
         level = min(one.friction, other.friction)
         needs[one].add(Variant(level, roles[0], level))
         needs[other].add(Variant(level, roles[1], level))
@@ -175,24 +183,32 @@ class _Registered:
 class Registry:
     """Register shapes in their variants, and let each pair of shapes meet once.
 
+    Args:
+        plant: The plant, not yet finalized.
+        scene_graph: Its scene graph.
+        gradient: How fast the pressure rises in what is `GROUND` (Pa/m).
+
     Attributes:
         without_faces: The shapes that cannot have the hydroelastic contact that they should have.
     """
 
-    def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph):
+    def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, gradient: float):
         self._plant = plant
         self._scene_graph = scene_graph
         self._registered: list[_Registered] = []
         self.without_faces: set[GeometryId] = set()
+        self._gradient = gradient
 
     def add(self, shape: ContactShape, wanted: Sequence[Variant]) -> None:
         """Make a shape's geometry, if it has one, the first variant, and register the others beside it."""
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
-            soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD)
+            soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD, BELT)
+            soft = yielding_ground(shape) if variant.role == GROUND else soft
             form = shape.shape if soft is None else soft.shape
             if variant.role == HARD and not shape.is_loose:
                 form = hard(shape, is_fine=not has_short_steps(self._plant))
+            form = hard_track(shape) if variant.role == BELT else form
             geometry, has_faces = shape.geometry if number == 0 else None, False
             if geometry is not None:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)
@@ -202,6 +218,7 @@ class Registry:
                 soft=soft,
                 is_rigid=is_rigid,
                 is_discrete=self._plant.time_step() > 0,
+                gradient=self._gradient if variant.role == GROUND else None,
             )
             for has_faces, properties in possible:  # noqa: B007
                 # Drake warns that deformable bodies would pass through a half space; the twin has none.
@@ -253,6 +270,10 @@ class Registry:
         self._exclude_within(loose)
         self._exclude_between(loose, [item for item in roles[SOFT] if not item.shape.is_loose])
         self._exclude_between(roles[HARD], [*roles[STATIC], *roles[POINTED]])
+        self._exclude_within([*roles[BELT]])
+        others = [item for role, items in roles.items() if role not in (BELT, GROUND) for item in items]
+        self._exclude_between([*roles[BELT], *roles[GROUND]], others)
+        self._exclude_between([item for item in roles[SOFT] if item.shape.is_track and roles[BELT]], roles[STATIC])
         groups = sorted({*soft, *hard})
         for index, group in enumerate(groups):
             self._exclude_between(hard[group], [item for heavier in groups[index:] for item in soft[heavier]])
@@ -283,6 +304,10 @@ def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models
         if model.folded:
             for parents, children in _jointed(plant, model):
                 manager.Apply(CollisionFilterDeclaration().ExcludeBetween(parents, children))
+        for body in bodies:  # Drake filters these, but forgets it where it changes a shape
+            own = plant.GetCollisionGeometriesForBody(body)
+            if len(own) > 1 and (model.colliding is None or body.name() in model.colliding):
+                manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(own)))
         if model.colliding is None:
             continue
         apart = plant.CollectRegisteredGeometries([body for body in bodies if body.name() in model.colliding])

@@ -25,6 +25,7 @@ from pydrake.multibody.tree import RigidBody
 from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_models import ContactModel
+from drake_twin.diagram.surfaces import has_moving_surface
 from drake_twin.diagram.wheels import WheelFinder
 from drake_twin.scenario import POINT
 
@@ -137,6 +138,7 @@ class ContactShape:
         part: What decides on which shapes it meets where loose ones have balls beside their faces.
         is_roller: Whether it is one of several around a wheel.
         support: What its robot stands on; None for stiffness that follows from its mass.
+        is_track: Whether it moves, and its surface along it.
     """
 
     geometry: GeometryId | None
@@ -157,6 +159,7 @@ class ContactShape:
     part: Part = Part.WHOLE
     is_roller: bool = False
     support: Support | None = None
+    is_track: bool = False
 
 
 def has_short_steps(plant: MultibodyPlant) -> bool:
@@ -257,6 +260,7 @@ class ShapeReader:
             is_flat=contact != POINT and not isinstance(shape, _ROUND),
             is_wheel=wheel is not None,
             is_roller=wheel is not None and wheel.is_roller,
+            is_track=not is_static and has_moving_surface(self._plant, body),
             is_loose=not is_static and model is not None and self._is_one_body(model, body),
             # A link may have to bear the whole model, but must not be too stiff for its own mass: the geometric mean of
             # both. Rollers always bear it, and would sink in by half a millimeter.
@@ -270,8 +274,10 @@ class ShapeReader:
         return Part.THICK if _thickness(static) >= _THICK else Part.THIN
 
     def _is_one_body(self, model: ContactModel, body: RigidBody) -> bool:
+        """Tell whether a model is one body, and not a vehicle: its tracks turn it on their faces alone."""
         count = sum(len(self._plant.GetBodyIndices(instance)) for instance in model.instances)
-        return count == len(self._plant.GetBodiesWeldedTo(body))
+        welded = self._plant.GetBodiesWeldedTo(body)
+        return count == len(welded) and not any(has_moving_surface(self._plant, each) for each in welded)
 
     def _mass_of(self, model: ContactModel) -> float:
         bodies = (index for instance in model.instances for index in self._plant.GetBodyIndices(instance))

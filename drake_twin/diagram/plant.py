@@ -27,6 +27,7 @@ from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake,
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
+from drake_twin.diagram.surfaces import give_surfaces
 from drake_twin.diagram.world_in_plant import add_world, remove_actuators
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -183,6 +184,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     with captured_warnings() as messages:
         (instance,) = parse_robot(plant, plan)
     texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
+    give_surfaces(plant, plan, instance)
     remove_actuators(plant, [instance])  # here only commanded joints have one
     plant.set_gravity_enabled(instance, plan.model.falls)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]

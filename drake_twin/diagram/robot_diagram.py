@@ -13,6 +13,7 @@ from drake_twin.controllers.body_forces import ForceController, RobotBody
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import COMMANDED_MOTION, TRUE_STATE, PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.controllers.surface_controller import SurfaceController
 from drake_twin.dataclass import dataclass
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.diagram.measurement_delay import MeasurementDelay
@@ -68,6 +69,14 @@ class RobotDiagram:
             if isinstance(controller, ForceController)
         ]
 
+    def surfaces(self) -> list[tuple[SurfaceController, OutputPort]]:
+        """Return the controllers that move surfaces, each with the diagram's port that has their speeds."""
+        return [
+            (controller, self.diagram.GetOutputPort(f"{name}/surface_speeds"))
+            for name, controller in self.controllers.items()
+            if isinstance(controller, SurfaceController)
+        ]
+
 
 def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_plant: RobotInPlant) -> RobotDiagram:
     """Build a robot's sub-diagram.
@@ -93,7 +102,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
     for controller in controllers.values():
         if isinstance(controller, ForceController):
-            controller.attach(RobotBody(plant, instance, surroundings.wind))
+            controller.attach(RobotBody(plant, instance))
     joints = _joints_of_actuators(layout)
     servo = _add_servo(builder, plan, joints, controllers, in_plant, plant) if joints else None
     always_published = {}
@@ -303,6 +312,8 @@ def _wire_controller(
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, ForceController):
         builder.ExportOutput(controller.GetOutputPort("signals"), f"{name}/signals")
+    if isinstance(controller, SurfaceController):
+        builder.ExportOutput(controller.GetOutputPort("surface_speeds"), f"{name}/surface_speeds")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:
             builder.Connect(

@@ -27,6 +27,7 @@ from drake_twin.sensors.sensor_system import SensorSystem
 
 if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.systems.wind import Wind
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class SensorSurroundings:
         noise: Whether there is noise.
         world: The world's file; None without one.
         renderer: What draws the pictures of cameras.
-        wind: The velocity of the air (m/s).
+        wind: The velocity of the air in the world (m/s), or the system of one that changes.
     """
 
     plant: MultibodyPlant
@@ -51,7 +52,7 @@ class SensorSurroundings:
     noise: bool = True
     world: "WorldFile | None" = None
     renderer: LazyRenderer = field(default_factory=LazyRenderer)
-    wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    wind: "tuple[float, float, float] | Wind" = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,7 @@ def _add(
             owner=plan.name,
             anchors=anchors,
             models=() if world is None else world.models,
+            wind=surroundings.wind if isinstance(surroundings.wind, tuple) else None,
         )
         system = item.kind(setup)
         systems[_key(item)] = system

@@ -83,6 +83,8 @@ def add_sensors(
         builder.AddNamedSystem("sensors", host)
         for output, port in host.inputs_from(parts.plant, parts.scene_graph):
             builder.Connect(output, port)
+        if host.wind_input is not None and not isinstance(surroundings.wind, tuple):
+            builder.Connect(surroundings.wind.get_wind_info_output_port(), host.wind_input)
         for owner, ports in found.items():
             publish_sensors(owner, ports, host, topics, surroundings.time_step)
     return tuple(findings)

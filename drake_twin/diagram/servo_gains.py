@@ -22,6 +22,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 
 # The time constant with which a velocity servo reaches its command against inertia alone (s).
 _VELOCITY_TIME_CONSTANT = 0.005
+_VELOCITY_AT_ONCE = 1e-5  # that of a plugin's servo that is there in the next step (s)
 # The velocity error of a servo under the joint's largest gravity load, and under its share of the robot's weight
 # (rad/s, m/s).
 _VELOCITY_ERROR_UNDER_GRAVITY = 2.5e-4
@@ -45,16 +46,19 @@ REST_VELOCITY = 1e-3
 _OVER_VELOCITY_LIMIT = 0.01
 
 
-def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdControllerGains:
+def velocity_gains(
+    load: JointLoad, *, time_constant: float = _VELOCITY_TIME_CONSTANT, continuous: bool = False
+) -> PdControllerGains:
     """Return the gains of a joint that follows a velocity.
 
     Args:
         load: The joint's load.
+        time_constant: That with which it reaches its command against inertia alone (s).
         continuous: Whether the engine is ``cenic``, which takes a velocity target with the wrong sign: the velocity is
             then given as a far position, with a stiffness that has almost no effect of its own.
     """
     damping = max(
-        load.inertia / _VELOCITY_TIME_CONSTANT,
+        load.inertia / time_constant,
         load.gravity / _VELOCITY_ERROR_UNDER_GRAVITY,
         load.contact / _VELOCITY_ERROR_UNDER_CONTACT,
         load.damping / _RELATIVE_ERROR_UNDER_DAMPING,
@@ -268,9 +272,12 @@ def _velocity_gains(
     plan: RobotPlan, actuator: JointActuator, load: JointLoad, *, continuous: bool
 ) -> PdControllerGains:
     servo = plan.joints.servos.get((actuator.joint().name(), "velocity"))
-    if servo is None or servo.proportional is None:
+    if servo is None:
         return velocity_gains(load, continuous=continuous)
-    return _following_velocity(max(servo.proportional, _LEAST_DAMPING), continuous=continuous)
+    if servo.proportional is None and not servo.time_constant:
+        return velocity_gains(load, time_constant=_VELOCITY_AT_ONCE, continuous=continuous)
+    damping = load.inertia / servo.time_constant if servo.proportional is None else servo.proportional
+    return _following_velocity(max(damping, _LEAST_DAMPING), continuous=continuous)
 
 
 def set_gains(

@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING
 from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import (
-    Diagram,
-    DiagramBuilder,
-    InputPort,
-    OutputPort,
-    System,
-)
+from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort, System
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import urdf_link_name
@@ -29,11 +23,13 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
+from drake_twin.diagram.surfaces import move_surfaces
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
-from drake_twin.diagram.world_in_plant import wind_of
+from drake_twin.diagram.wind import add_wind
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.performers import Detection, plan_detection
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
@@ -47,7 +43,6 @@ from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
 
 if TYPE_CHECKING:
-    from drake_twin.controllers.world_forces import WorldForces
     from drake_twin.description.world_file import WorldFile
 
 
@@ -69,6 +64,7 @@ class TwinDiagram:
         shapes: The contact of each collision shape.
         detachable_joints: The joints that come and go.
         triggers: What publishes messages when it hears one.
+        detection: What notices performers and touches.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -91,6 +87,7 @@ class TwinDiagram:
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
     triggers: tuple[OwnedTrigger, ...]
+    detection: Detection
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
     renderer: LazyRenderer
@@ -234,7 +231,7 @@ def _build(
         scenario.sensor_noise,
         world_file,
         renderer,
-        wind_of(scenario.world, world_file),
+        add_wind(builder, scenario, world_file, topics),
     )
     robots = {
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)
@@ -259,18 +256,15 @@ def _build(
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
-    forces = [item for robot in robots.values() for item in robot.forces()]
-    of_world: list[WorldForces] = []
-    if world_file is not None and world_file.forces:
-        from drake_twin.diagram.world_forces import forces_of_world
-
-        of_world = forces_of_world(parts, world_file)
-    about_forces = tuple(apply_forces(builder, parts.plant, forces, of_world))
+    about_forces = tuple(apply_forces(builder, parts, plans, robots, world_file, surroundings.wind))
+    surfaces = [(parts.robots[name].instance, *item) for name, robot in robots.items() for item in robot.surfaces()]
+    about_forces += tuple(move_surfaces(builder, parts.plant, surfaces))
     about_robots: list[Finding] = []
     for plan in plans:
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
+    detection = plan_detection(plans, models, world_file, scenario.world.bridged or {})
     types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()
@@ -294,6 +288,7 @@ def _build(
         shapes=parts.shapes,
         detachable_joints=parts.detachable_joints,
         triggers=triggers,
+        detection=detection,
         extensions=added,
         renderer=renderer,
         findings=(
@@ -305,6 +300,7 @@ def _build(
             *parts.findings,
             *about_forces,
             *about_triggers(triggers, *types),
+            *detection.findings,
         ),
     )
 

@@ -15,11 +15,10 @@ the ground's normal. Behind a side that stands across the ground the gradient is
 flies up. Behind the lower part of a hollow side the pressure falls towards the ground: Drake leaves such facets out.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
 from heapq import heappop, heappush
-from itertools import combinations, pairwise, product
+from itertools import pairwise, product
 from math import sqrt
 
 import numpy as np
@@ -30,11 +29,14 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.hull import corners_of, planes_of, without_slivers
 from drake_twin.description.mesh_triangles import hull_name
 from drake_twin.diagram.contact_shapes import ContactShape
+from drake_twin.diagram.tetrahedra import Polygon, is_closed, tetrahedra_of, vtk_text
+from drake_twin.diagram.track_shapes import soft_box
 
 _NAME, _HARD_NAME = "yielding shape", "hard shape"
 _SQUARES = 3  # along the sides of a box
 _MORE_SQUARES = 4
 _LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
+_LONGEST_OF_TRACK = 0.2  # ``track_shapes`` says why
 
 # Edge of the triangles of what does not yield, relative to the middle of its three sides, and to the longest one at
 # least. With whole sides, Panda's pads, on a cube of 80 mm between facets of 27 mm, let it slip by three times as much.
@@ -54,8 +56,6 @@ _DIGITS = 12  # decimals of a place (m): the last bits of what is solved differ 
 _MOST_SIDES = 64  # of a hull with a core; more take a second to prepare, and belong to round things
 
 Triangle = tuple[int, int, int]
-Tetrahedron = tuple[int, int, int, int]
-Polygon = tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,16 @@ class Yielding:
 
 def yielding(shape: ContactShape) -> Yielding:
     """Return a shape as one whose faces yield: a hull or a box becomes a fine mesh of itself."""
-    form = shape.shape
+    form, longest = shape.shape, _LONGEST_OF_TRACK if shape.is_track else _LONGEST
+    if shape.is_track and isinstance(form, Box):
+        return Yielding(_mesh(soft_box(*form.size().tolist())), None)
     if isinstance(form, Convex):
         source, scale, name = form.source(), tuple(form.scale3().tolist()), _NAME
         if source.is_path():
-            text, depth = _hull_of_file(str(source.path()), scale, shape.is_loose)
+            text, depth = _hull_of_file(str(source.path()), scale, shape.is_loose, longest)
             name = hull_name(source.path(), scale)
         else:
-            text, depth = _fine_hull(form, shape.is_loose)
+            text, depth = _fine_hull(form, shape.is_loose, longest)
         return Yielding(form if text is None else _mesh(text, name), depth)
     if not isinstance(form, Box):
         return Yielding(form, min(form.radius(), form.length() / 2) if isinstance(form, Cylinder) else None)
@@ -113,11 +115,13 @@ def _mesh(text: str, name: str = _NAME, extension: str = ".vtk") -> Mesh:
 
 
 @lru_cache(maxsize=1024)
-def _hull_of_file(path: str, scale: tuple[float, ...], is_loose: bool) -> tuple[str | None, float | None]:
-    return _fine_hull(Convex(path, np.array(scale)), is_loose)
+def _hull_of_file(
+    path: str, scale: tuple[float, ...], is_loose: bool, longest: float
+) -> tuple[str | None, float | None]:
+    return _fine_hull(Convex(path, np.array(scale)), is_loose, longest)
 
 
-def _fine_hull(shape: Convex, is_loose: bool) -> tuple[str | None, float | None]:
+def _fine_hull(shape: Convex, is_loose: bool, longest: float = _LONGEST) -> tuple[str | None, float | None]:
     """Return a hull as VTK text, without slivers, which would end the simulation on contact.
 
     A loose one has a core, so that the pressure rises alike behind each of its sides.
@@ -126,13 +130,13 @@ def _fine_hull(shape: Convex, is_loose: bool) -> tuple[str | None, float | None]
         The text, or None for a hull that is fine enough as it is; how deep its core is (m), or None if it has none.
     """
     points, triangles, is_whole = _surface(shape)
-    fine, triangles = _refined(points, triangles, _LONGEST * float(np.ptp(points, axis=0).max()))
+    fine, triangles = _refined(points, triangles, longest * float(np.ptp(points, axis=0).max()))
     if is_loose and (cored := _with_core(points, fine, triangles)) is not None:
         return cored
     if is_whole and len(fine) == len(points):
         return None, None
     inner = np.vstack([fine, points.mean(axis=0)])
-    return _vtk(inner, [(a, c, b, len(fine)) for a, b, c in triangles]), None
+    return vtk_text(inner, [(a, c, b, len(fine)) for a, b, c in triangles]), None
 
 
 def _surface(shape: Convex) -> tuple[np.ndarray, list[Triangle], bool]:
@@ -234,9 +238,9 @@ def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Tri
     for share in _CORES:
         depth = share * float(distances.min())
         cells = _cells(normals, distances, depth, surface - middle, triangles)
-        if cells is not None and _is_closed(tetrahedra := _tetrahedra(*cells), len(triangles)):
+        if cells is not None and is_closed(tetrahedra := tetrahedra_of(*cells), len(triangles)):
             inside = cells[0][: -len(surface)]
-            return _vtk(np.vstack([inside, _hollow(surface - middle, depth)]) + middle, tetrahedra), depth
+            return vtk_text(np.vstack([inside, _hollow(surface - middle, depth)]) + middle, tetrahedra), depth
     return None
 
 
@@ -352,8 +356,8 @@ def _fine_box(x: float, y: float, z: float) -> str:
             polygons.append((*edge, inner[1], inner[0]))
         cells.append(polygons)
     places = np.array(list(points))
-    tetrahedra = _tetrahedra(places, cells)
-    return _vtk(
+    tetrahedra = tetrahedra_of(places, cells)
+    return vtk_text(
         np.vstack([places[: len(corners)], _hollow(places[len(corners) :], _CORE * size.min() / 2)]), tetrahedra
     )
 
@@ -363,38 +367,3 @@ def _around(corners: dict[tuple[int, ...], int], axis: int, side: int) -> Polygo
     return tuple(
         corners[tuple(np.roll((side, *signs), axis).tolist())] for signs in ((-1, -1), (1, -1), (1, 1), (-1, 1))
     )
-
-
-def _tetrahedra(points: np.ndarray, cells: Sequence[Sequence[Polygon]]) -> list[Tetrahedron]:
-    """Divide convex cells, given by the polygons around each, into tetrahedra that meet face to face.
-
-    A polygon is divided from its vertex of the lowest number, and so is a cell: neighbours divide alike what they
-    share.
-    """
-    found = []
-    for polygons in cells:
-        top = min(min(polygon) for polygon in polygons)
-        for polygon in polygons:
-            if top in polygon:
-                continue
-            first = polygon.index(min(polygon))
-            turned = polygon[first:] + polygon[:first]
-            for one, other in pairwise(turned[1:]):
-                a, b, c, d = (points[index] for index in (turned[0], one, other, top))
-                volume = float(np.dot(np.cross(b - a, c - a), d - a))
-                found.append((turned[0], one, other, top) if volume > 0 else (turned[0], other, one, top))
-    return found
-
-
-def _is_closed(tetrahedra: Sequence[Tetrahedron], count: int) -> bool:
-    """Tell whether tetrahedra meet face to face but for so many faces at their surface."""
-    times = Counter(tuple(sorted(face)) for each in tetrahedra for face in combinations(each, 3))
-    return max(times.values()) == 2 and sum(number == 1 for number in times.values()) == count
-
-
-def _vtk(points: np.ndarray, tetrahedra: Sequence[Tetrahedron]) -> str:
-    """Return tetrahedra as VTK text."""
-    lines = ["# vtk DataFile Version 3.0", "yielding shape", "ASCII", "DATASET UNSTRUCTURED_GRID"]
-    lines += [f"POINTS {len(points)} double", *(" ".join(map(repr, row)) for row in points.tolist())]
-    lines += [f"CELLS {len(tetrahedra)} {5 * len(tetrahedra)}", *(f"4 {a} {b} {c} {d}" for a, b, c, d in tetrahedra)]
-    return "\n".join([*lines, f"CELL_TYPES {len(tetrahedra)}", *["10"] * len(tetrahedra), ""])

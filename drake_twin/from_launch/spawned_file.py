@@ -13,7 +13,8 @@ def spawned_file(file: str, process: LaunchedProcess, packages: PackageIndex) ->
     """Read the file that a spawner's ``-file`` names.
 
     ``create`` hands the name to Gazebo, which also takes a model's name or folder, and an address of Fuel;
-    spawn_entity.py opens a file.
+    spawn_entity.py opens a file. A relative path starts from the working folder, as for a process of the launch; where
+    nothing is there, from the launch file's.
 
     Args:
         file: A path, or an address.
@@ -30,7 +31,8 @@ def spawned_file(file: str, process: LaunchedProcess, packages: PackageIndex) ->
     problem = process.error(f"{file}: files are not downloaded")
     if not is_remote:
         try:
-            path = packages.resolve(file, process.place.file)
+            is_here = "://" not in file and Path(file).is_file()
+            path = packages.resolve(file, None if is_here else process.place.file)
             if not path.is_dir():
                 return file_text(path), path
             problem = InputError("it is a folder, not a robot file", file=path)

@@ -10,6 +10,7 @@ import re
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from math import inf
 from types import CodeType, ModuleType
+from typing import TypeGuard
 
 from drake_twin.description.source_file import file_bytes
 from drake_twin.nodes.task import Abandoned, here
@@ -19,10 +20,11 @@ _LOOP = re.compile(rb"^[ \t]*while\b", re.MULTILINE)
 
 # What changes nothing. A program's own `done()` might, so that after it the wait is until the next step at most.
 _FUNCTIONS = frozenset(("abs", "all", "any", "bool", "callable", "float", "getattr", "hasattr", "int", "isinstance"))
-_FUNCTIONS |= {"Duration", "len", "max", "min", "print", "str"}
+_FUNCTIONS |= {"Duration", "enumerate", "len", "max", "min", "print", "range", "reversed", "sorted", "str", "zip"}
 _METHODS = frozenset(("cancelled", "done", "empty", "full", "is_alive", "is_set", "locked", "ok", "poll", "qsize"))
 _METHODS |= {"get_logger", "debug", "info", "warn", "warning", "error"}
 _METHODS |= {"get_clock", "now", "time", "monotonic", "perf_counter", "Duration"}
+_METHODS |= {"items", "keys", "values"}
 _METHODS |= {"get_subscription_count", "count_publishers", "count_subscribers", "service_is_ready", "server_is_ready"}
 _OPERATORS = (ast.boolop, ast.cmpop, ast.expr_context, ast.operator, ast.unaryop)
 _PLAIN = (ast.BoolOp, ast.Compare, ast.Constant, ast.Name, ast.UnaryOp, *_OPERATORS)
@@ -77,15 +79,23 @@ class _Waits(ast.NodeTransformer):
         self._count = 0
 
     def visit_While(self, loop: ast.While) -> ast.While:
+        _note_repeated(loop)
         falls, continues = _idle_ends(loop.body)
         if not _is_looking(loop.test) or not (falls or continues):
             self.generic_visit(loop)
             return loop
+        assigns = [part for part in ast.walk(loop) if isinstance(part, ast.Assign)]
         tests = [loop.test, *(part.test for part in ast.walk(loop) if isinstance(part, ast.If | ast.IfExp))]
+        tests += [
+            *(part.value for part in assigns),
+            *(part.iter for part in ast.walk(loop) if isinstance(part, ast.For)),
+        ]
         is_plain = all(isinstance(part, _PLAIN) for test in tests for part in ast.walk(test))
         self._count += 1
         flag = f"__has_acted_{self._count}__"
         wait = f"{flag} or {_WAIT}({is_plain})"
+        if assigns:  # which may have ended the loop
+            wait = f"{flag} or ({ast.unparse(loop.test)}) and {_WAIT}({is_plain})"
         body = [*_made(f"{flag} = False", loop.body[0]), *self._block(loop.body, flag, wait)]
         loop.body = [*body, *_made(wait, loop.body[-1])]
         loop.orelse = [self.visit(part) for part in loop.orelse]
@@ -100,7 +110,7 @@ class _Waits(ast.NodeTransformer):
             elif isinstance(part, ast.If) and _is_looking(part.test):
                 part.body, part.orelse = (self._block(each, flag, wait) for each in (part.body, part.orelse))
                 found.append(part)
-            elif isinstance(part, ast.With) and _is_of_locks(part):
+            elif (isinstance(part, ast.With) and _is_of_locks(part)) or _is_looking_for(part):
                 part.body = self._block(part.body, flag, wait)
                 found.append(part)
             elif _is_simple(part):
@@ -122,6 +132,8 @@ def _idle_ends(block: list[ast.stmt]) -> tuple[bool, bool]:
             falls = ends[0][0] or ends[1][0]
         elif isinstance(part, ast.With) and _is_of_locks(part):
             falls = _idle_ends(part.body)[0]
+        elif _is_looking_for(part):
+            falls = True  # it may have nothing to go through
         else:
             falls = _is_simple(part)
         if not falls:
@@ -137,7 +149,35 @@ def _is_of_locks(part: ast.With) -> bool:
     return held and not any(isinstance(each, ast.Continue) for each in ast.walk(part))
 
 
+def _is_looking_for(part: ast.stmt) -> TypeGuard[ast.For]:
+    """Return whether a ``for`` goes through what is there, and each time to its end or to that of the loop."""
+    ends = (ast.Continue, ast.While)
+    if not isinstance(part, ast.For) or part.orelse or not _is_looking(part.iter):
+        return False
+    return not any(isinstance(each, ends) for each in ast.walk(part))
+
+
+def _note_repeated(loop: ast.While) -> None:
+    """Mark the assignments of a loop that would find the same again: none uses what the loop assigns later, or itself.
+
+    So ``angle = goal - self.yaw`` only looks, and ``count = count + 1`` does not.
+    """
+    assigned = [each for each in ast.walk(loop) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)]
+    for part in ast.walk(loop):
+        if isinstance(part, ast.Assign) and all(map(_is_local, part.targets)):
+            begin = (part.lineno, part.col_offset)
+            later = {name.id for name in assigned if (name.lineno, name.col_offset) >= begin}
+            used = {each.id for each in ast.walk(part.value) if isinstance(each, ast.Name)}
+            vars(part)["is_repeated"] = not later & used
+
+
+def _is_local(target: ast.expr) -> bool:
+    return isinstance(target, ast.Name) or (isinstance(target, ast.Tuple) and all(map(_is_local, target.elts)))
+
+
 def _is_simple(part: ast.stmt) -> bool:
+    if isinstance(part, ast.Assign):
+        return bool(vars(part).get("is_repeated")) and _is_looking(part.value)
     return isinstance(part, ast.Pass) or (isinstance(part, ast.Expr) and _is_looking(part.value))
 
 

@@ -93,7 +93,8 @@ class Program:
     ):
         self.index, self.what, self.file = index, what, found.file
         self.argv = [str(found.file), *arguments]
-        own = [str(found.folder or found.file.parent)]  # a console script's own folder is another one
+        # A console script's own folder is another one.
+        own = [str(folder) for folder in (*found.beside, found.folder or found.file.parent)]
         self._base_path = frozenset(sys.path)
         self.path = [*dict.fromkeys((*own, *(folder for folder in sys.path if folder)))]
         self.environment = with_command({**_OF_ROS, **os.environ, **environment})

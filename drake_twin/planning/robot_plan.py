@@ -15,6 +15,8 @@ from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import Robot, ScenarioError
 
 if TYPE_CHECKING:
+    from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
 
@@ -32,6 +34,8 @@ class RobotPlan:
         frame_prefix: The prefix of its link names in tf messages.
         findings: The findings of its files: entries that were not used as they are.
         triggers: What publishes messages when it hears one, with topics of gz.
+        detectors: What notices performers, likewise.
+        touches: What tells of touches, likewise.
     """
 
     robot: Robot
@@ -43,6 +47,8 @@ class RobotPlan:
     frame_prefix: str
     findings: Findings
     triggers: "tuple[Trigger, ...]" = ()
+    detectors: "tuple[PerformerDetector, ...]" = ()
+    touches: "tuple[TouchDetector, ...]" = ()
 
     @property
     def hardware_states(self) -> dict[str, str]:

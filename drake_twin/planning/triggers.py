@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.dataclass import dataclass
-from drake_twin.description.gazebo_drive import TRIGGERED_PUBLISHER, of_model
+from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, TRIGGERED_PUBLISHER, of_model
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import is_same_topic
@@ -13,7 +13,8 @@ from drake_twin.planning.topics import controller_topic
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
-    from drake_twin.description.triggers import Trigger, TriggeredMessage
+    from drake_twin.description.touches import TouchDetector
+    from drake_twin.description.triggers import Trigger, TriggeredMessage, TriggeredRequest
     from drake_twin.description.world_file import WorldFile
 
 _STAMPED, _TWIST = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
@@ -56,10 +57,15 @@ def plan_triggers(
     plans, models = tuple(plans), tuple(models)
     plugins = () if world_file is None else world_file.plugins
     of_world = [plugin.parameters for plugin in plugins if plugin.type == TRIGGERED_PUBLISHER]
+    touches = [(plugin.parameters, plugin.model) for plugin in plugins if plugin.type == TOUCH_PLUGIN]
+    of_world += _enabling(touches)
     owned = [("", number, trigger) for number, trigger in enumerate(of_world)]
-    owned += [(plan.name, number, trigger) for plan in plans for number, trigger in enumerate(plan.triggers)]
+    for plan in plans:
+        of_plan = [*plan.triggers, *_enabling((item, plan.name) for item in plan.touches)]
+        owned += [(plan.name, number, trigger) for number, trigger in enumerate(of_plan)]
     if not owned:
         return ()
+    worlds = set() if world_file is None else {world_file.name, *_stem(world_file)}
     known = [*_of_drives(plans), *_of_sensors(plans), *_of_sensors(models)]
     bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
 
@@ -72,15 +78,46 @@ def plan_triggers(
         told = (
             replace(item, topic=topic) for item in trigger.messages for topic in in_ros(of_model(item.topic, owner))
         )
-        return OwnedTrigger(owner, number, replace(trigger, topic=heard[0], messages=tuple(told)), heard)
+        requests = tuple(_owned(_checked(item, worlds), owner, heard[0]) for item in trigger.requests)
+        trigger = replace(trigger, topic=heard[0], messages=tuple(told), requests=requests)
+        return OwnedTrigger(owner, number, trigger, heard)
 
     return tuple(planned(*item) for item in owned)
+
+
+def _enabling(touches: "Iterable[tuple[TouchDetector, str]]") -> "Iterator[Trigger]":
+    """Yield what enables detectors of touches, of a model each."""
+    for detector, model in touches:
+        from drake_twin.description.triggers import enabling_triggers
+
+        yield from enabling_triggers(detector, of_model(detector.topic, model))
+
+
+def _stem(world_file: "WorldFile") -> Iterator[str]:
+    """Yield the name that services of the twin have for a world."""
+    if world_file.file is not None:
+        yield world_file.file.name.partition(".")[0]
+
+
+def _checked(item: "TriggeredRequest", worlds: set[str]) -> "TriggeredRequest":
+    """Return a request, without what it asks for where its world is not that of the twin."""
+    if not (item.request and item.world and worlds) or item.world in worlds:
+        return item
+    return replace(item, request=None, problem=f"{item.service}: the world is not called {item.world!r}")
+
+
+def _owned(item: "TriggeredRequest", owner: str, topic: str) -> "TriggeredRequest":
+    """Return a request with the robot that drops a model, and the topic that asks for it, where it does that."""
+    from drake_twin.description.breadcrumbs import Deploy
+
+    request = item.request
+    return replace(item, request=replace(request, owner=owner, topic=topic)) if isinstance(request, Deploy) else item
 
 
 def about_triggers(
     triggers: Iterable[OwnedTrigger], published: Mapping[str, str], heard: Mapping[str, str]
 ) -> Iterator[Finding]:
-    """Yield a finding for each topic of a trigger that has another type in the twin.
+    """Yield a finding for each topic of a trigger that has another type in the twin, and each unknown service.
 
     Args:
         triggers: The triggers.
@@ -100,6 +137,10 @@ def about_triggers(
             if own != other:
                 what = f"Gazebo plugin {trigger.name}: {topic} is {other} here, and not {own}"
                 yield replace(Finding.at(Kind.WARNING, what, trigger.place), robot=item.owner)
+        for request in trigger.requests:
+            if request.problem:
+                what = f"Gazebo plugin {trigger.name}: it does not call a service: {request.problem}"
+                yield replace(Finding.at(Kind.NOT_STARTED, what, trigger.place), robot=item.owner)
 
 
 def as_type(kind: str, message: "TriggeredMessage") -> Any:

@@ -6,7 +6,7 @@ PythonExpression are executed.
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path, PurePath
 
@@ -26,7 +26,10 @@ from drake_twin.ros2.show_arguments import collect_arguments
 
 
 def evaluate(
-    file: str | Path, arguments: Mapping[str, str] | None = None, packages: PackageIndex | None = None
+    file: str | Path,
+    arguments: Mapping[str, str] | None = None,
+    packages: PackageIndex | None = None,
+    words: Sequence[str] = (),
 ) -> Launched:
     """Return what a launch file starts.
 
@@ -34,12 +37,13 @@ def evaluate(
         file: A Python, XML or YAML launch file.
         arguments: Values for its arguments, as typed after ``ros2 launch``.
         packages: Where packages are; the twin's own index by default.
+        words: How ``ros2 launch`` would be told the file, such as ``PACKAGE FILE``; its path by default.
 
     Raises:
         InputError: If the file cannot be used: not found, wrong, arguments without a value, a Python error in it, ….
     """
     path = _existing(file)
-    return _evaluated(path, lambda context: load_launch_file(path, context), arguments, packages)
+    return _evaluated(path, lambda context: load_launch_file(path, context), arguments, packages, words)
 
 
 def evaluate_description(
@@ -66,9 +70,10 @@ def _evaluated(
     load: Callable[[LaunchContext], LaunchDescription],
     arguments: Mapping[str, str] | None,
     packages: PackageIndex | None,
+    words: Sequence[str] = (),
 ) -> Launched:
     arguments, packages = dict(arguments or {}), packages or PackageIndex()
-    with ros_in_place(path, arguments, packages.folders):
+    with ros_in_place(path, arguments, packages.folders, words):
         context = _context(arguments, packages)
         with active(context):
             try:

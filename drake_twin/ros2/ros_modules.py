@@ -67,13 +67,16 @@ def no_trace() -> Iterator[None]:
 
 
 @contextmanager
-def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Iterable[Path] = ()) -> Iterator[None]:
+def ros_in_place(
+    file: str, arguments: Mapping[str, str], package_folders: Iterable[Path] = (), words: Sequence[str] = ()
+) -> Iterator[None]:
     """Provide ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
 
     Args:
         file: The launch file, for ``sys.argv``.
         arguments: Its arguments, for ``sys.argv``.
         package_folders: Where the ``xacro`` command searches packages first.
+        words: What stands for the launch file in ``sys.argv``; its path by default.
     """
     with ACTIONS.passing(), SUBSTITUTIONS.passing(), no_trace(), tags_with_places(installed_xacro()):
         for name in [name for name in sys.modules if _is_ros(name)]:
@@ -88,7 +91,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         os.environ["PATH"] = os.pathsep.join(filter(None, places))
         os.environ[LAUNCH_FILE] = os.path.abspath(file)
         os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
-        sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
+        sys.argv = ["ros2", "launch", *(words or [file]), *(f"{name}:={value}" for name, value in arguments.items())]
         sys.stdout = sys.stderr  # what launch files print does not belong to the program's result
         yield
 

@@ -163,6 +163,16 @@ class ContactSensor(SensorSystem):
             found[self._name(touch.own), self._name(touch.other)].append(touch)
         return dict(sorted(found.items()))
 
+    def pairs(self, context: Context) -> set[tuple[str, str]]:
+        """Return the names of the shapes that it watches and of those that they touch."""
+        results: ContactResults = self._contacts.Eval(context)
+        points = map(results.point_pair_contact_info, range(results.num_point_pair_contacts()))
+        surfaces = map(results.hydroelastic_contact_info, range(results.num_hydroelastic_contacts()))
+        touching = [(pair.id_A, pair.id_B) for pair in (point.point_pair() for point in points)]
+        touching += [(each.id_M(), each.id_N()) for each in (surface.contact_surface() for surface in surfaces)]
+        touching += [(other, own) for own, other in touching]
+        return {(self._name(own), self._name(other)) for own, other in touching if own in self._watched}
+
     def _name(self, geometry: GeometryId) -> str:
         if geometry in self._names:
             return self._names[geometry]

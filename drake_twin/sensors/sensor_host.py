@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 from typing import Any
 
-from pydrake.systems.framework import Diagram
+from pydrake.systems.framework import Diagram, InputPort
 
 from drake_twin.sensors.plant_reader import PlantReader
+from drake_twin.systems.no_message import empty_value
 
 
 class SensorHost(PlantReader):
@@ -17,12 +18,20 @@ class SensorHost(PlantReader):
     Attributes:
         sensors: The sensors (each a `SensorSystem`); their ports' callbacks hold them weakly.
         shared: What some of them share, by what it is.
+        wind_input: The port ``wind``; None where none of them needs it.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.sensors: list[Any] = []
         self.shared: dict[Any, Any] = {}
+        self.wind_input: InputPort | None = None
+
+    def declare_wind_input(self) -> InputPort:
+        """Declare the port ``wind``, for a wind that changes as a ``geometry_msgs/msg/Vector3``, or return it."""
+        if self.wind_input is None:
+            self.wind_input = self.DeclareAbstractInputPort("wind", empty_value())
+        return self.wind_input
 
     def forget(self) -> None:
         """Forget the sensors, which refer to this system, so that it can be freed; it cannot be used afterwards."""

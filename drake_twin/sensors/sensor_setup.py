@@ -43,6 +43,7 @@ class SensorSetup:
         owner: The name of its robot, or of its model of the world.
         anchors: Frame → pose in the world, of a static model, which has no bodies in the plant.
         models: The models of the world's file.
+        wind: The velocity of the air in the world (m/s); None for one that changes, which `host` has an input for.
     """
 
     sensor: Sensor
@@ -61,6 +62,7 @@ class SensorSetup:
     owner: str = ""
     anchors: Mapping[str, RigidTransform] = field(default_factory=dict)
     models: "tuple[WorldModel, ...]" = ()
+    wind: tuple[float, float, float] | None = (0.0, 0.0, 0.0)
 
     @property
     def body(self) -> RigidBody:

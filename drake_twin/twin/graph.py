@@ -19,12 +19,13 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
 from drake_twin.twin.event_topics import EventTopic, EventTopics
 from drake_twin.twin.group import Group
+from drake_twin.twin.model_requests import ModelRequests
 from drake_twin.twin.owner import any_thread
 from drake_twin.twin.recording import Recorder, recorded
 from drake_twin.twin.session import Session
 from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
-from drake_twin.twin.wrench_topics import WrenchTopics
+from drake_twin.twin.world_topics import WorldTopics
 from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
@@ -38,7 +39,7 @@ class Graph(Group, path="twin.graph"):
     def __init__(self, session: Session, stepper: Stepper, recorder: Recorder):
         super().__init__(session, stepper, recorder)
         self._unheard: set[str] = set()
-        self._wrenches = WrenchTopics(session)
+        self._world = WorldTopics(session)
         self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
 
     def topics(self) -> dict[str, str]:
@@ -47,7 +48,7 @@ class Graph(Group, path="twin.graph"):
         published = {item.topic: item.type for item in built.published.values()}
         published = {item.name: item.type for item in self.events.endpoints} | published
         heard = {item.name: item.type for item in self._session.triggers.endpoints}
-        heard |= {item.topic: item.type for item in built.commanded.values()} | self._wrenches.types
+        heard |= {item.topic: item.type for item in built.commanded.values()} | self._world.types
         return published | heard
 
     def actions(self) -> dict[str, str]:
@@ -69,10 +70,10 @@ class Graph(Group, path="twin.graph"):
         built, (diagram, known) = self._session.built, self._endpoints
         if diagram is not built.diagram:
             more = (item for item in self.events.endpoints if item.name not in built.published)
-            wrenches = self._wrenches.endpoints()
-            pushed = {item.name for item in wrenches}
-            triggers = (item for item in self._session.triggers.endpoints if item.name not in pushed)
-            new = *endpoints_of(built), *wrenches, *triggers, *more
+            of_world = self._world.endpoints()
+            known_there = {item.name for item in of_world}
+            triggers = (item for item in self._session.triggers.endpoints if item.name not in known_there)
+            new = *endpoints_of(built), *of_world, *triggers, *more
             self._endpoints = built.diagram, known if new == known else new
         return self._endpoints[1]
 
@@ -114,15 +115,15 @@ class Graph(Group, path="twin.graph"):
         """Return whether the twin listens to a topic."""
         session = self._session
         is_heard = topic in session.built.commanded or session.triggers.hears(topic)
-        return is_heard or topic in self._wrenches.types
+        return is_heard or topic in self._world.types
 
     def _deliver(self, topic: Any, data: Any) -> None:
         session = self._session
         commanded = session.physics.built.commanded
         item = commanded.get(topic) if isinstance(topic, str) else None
-        is_done = item is None and isinstance(topic, str) and topic in self._wrenches.types
+        is_done = item is None and isinstance(topic, str) and topic in self._world.types
         if is_done:
-            self._wrenches.hear(topic, data)
+            self._world.hear(topic, data)
         if session.triggers.heard and session.triggers.hears(topic):
             session.triggers.hear(topic, data)
             is_done = item is None
@@ -167,8 +168,8 @@ class Graph(Group, path="twin.graph"):
             InputError: If no controller listens to the topic, or its controller refuses the data.
         """
         session = self._session
-        if isinstance(topic, str) and topic in self._wrenches.types:
-            self._wrenches.read(topic, data)
+        if isinstance(topic, str) and topic in self._world.types:
+            self._world.read(topic, data)
             return
         if session.triggers.hears(topic) and topic not in session.built.commanded:
             session.triggers.check(topic, data)
@@ -309,6 +310,7 @@ class Graph(Group, path="twin.graph"):
     def feed(self, subscriptions: Subscriptions) -> None:
         """Let subscriptions take their messages from here, and triggers give theirs."""
         self._session.triggers.publish = self.deliver
+        self._session.triggers.request = ModelRequests(self._session, self._stepper, self._recorder).do
         subscriptions.ports_of = lambda topic: self._session.built.publishers.get(topic, ())
         subscriptions.read, subscriptions.publication, subscriptions.draft = self._read, self._publication, self._draft
         subscriptions.use(self._session.clock.time_step)  # hears the ports of those that there are already

@@ -23,6 +23,7 @@ from drake_twin.diagram.gyroscopic_moments import follow_inertias
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
+from drake_twin.diagram.wind import changing_wind
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
@@ -30,6 +31,7 @@ from drake_twin.twin.detachable_joints import DetachableJoints
 from drake_twin.twin.entity_state import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.late_measurements import LateMeasurements, Past
+from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.pull import Pull
 from drake_twin.twin.pushes import settled_pushes
@@ -132,6 +134,7 @@ class Physics:
         for item in keepers:
             item.new_events = self.new_events
         self._extensions = ExtensionState(self.built, self.context)
+        self._wind = changing_wind(self.built.diagram)
         self._late = LateMeasurements(self.built, self.context)
         self._late.start()
         self.detachable_joints = DetachableJoints(self.built, self.context)
@@ -280,6 +283,8 @@ class Physics:
         }
         if systems := self._extensions.state():
             state["systems"] = systems
+        if self._wind is not None:
+            state["wind"] = to_plain(self._wind.state(self._wind.GetMyContextFromRoot(self.context)))
         return state
 
     def set_state(self, state: Mapping[str, Any]) -> None:
@@ -297,6 +302,7 @@ class Physics:
         for name, saved in state["robots"].items():
             self.set_robot_state(name, np.array(saved["state"], dtype=float))
             self._late.set_state(name, saved)
+        self._set_wind(state)
         self._extensions.set_state(state.get("systems", {}))
 
     def transfer(self, state: Mapping[str, Any], old: "Physics") -> None:
@@ -319,6 +325,8 @@ class Physics:
             self._set_models(
                 {name: vectors for name, vectors in state["models"].items() if name in self.built.world_models}
             )
+        if self.built.world == old.built.world:
+            self._set_wind(state)
         self._extensions.set_state(state.get("systems", {}))
 
     def _robot_entries(self, plan: RobotPlan) -> dict[str, Any]:
@@ -345,6 +353,10 @@ class Physics:
         for name, vectors in states.items():
             for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
+
+    def _set_wind(self, state: Mapping[str, Any]) -> None:
+        if self._wind is not None and "wind" in state:
+            self._wind.set_state(self._wind.GetMyMutableContextFromRoot(self.context), from_plain(state["wind"]))
 
     def set_wrenches(self, wrenches: Sequence[Wrench | Pull]) -> None:
         """Apply these forces and torques to links, and no others."""
@@ -377,4 +389,4 @@ class Physics:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
-        del self._extensions, self._late, self.detachable_joints
+        del self._extensions, self._late, self._wind, self.detachable_joints

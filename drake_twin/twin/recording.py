@@ -236,6 +236,18 @@ def _recorded(name: str, outside_callbacks: str | None, method: _Method) -> _Met
     return call  # type: ignore[return-value]
 
 
+def unrecorded(method: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a recorded method of a twin or its groups without a record; listeners are told.
+
+    Raises:
+        TwinError: As the method does.
+    """
+    twin: Any = method.__self__  # type: ignore[attr-defined]
+    result = inspect.unwrap(method.__func__)(twin, *arguments)  # type: ignore[attr-defined]
+    twin._recorder.tell(method.__name__, arguments)
+    return result
+
+
 def _settled(value: Any) -> Any:
     """Return a value for both the recording and the method.
 

@@ -28,12 +28,17 @@ def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> Twin:
     twin = Twin(ScenarioFile(recording.start.scenario, "recording").scenario, meshcat)
     twin.restore(recording.start)
     for call in recording.calls:
-        if call.time > twin.time:
-            twin.advance_to(call.time)
+        _advance(twin, call.time)
         _do(twin, call)
-    if recording.end > twin.time:
-        twin.advance_to(recording.end)
+    _advance(twin, recording.end)
     return twin
+
+
+def _advance(twin: Twin, time: float) -> None:
+    """Advance to a time, also where the twin itself pauses."""
+    while twin.time < time:
+        twin.play()
+        twin.advance_to(time)
 
 
 def _do(twin: Twin, call: Call) -> None:

@@ -133,6 +133,7 @@ class RobotControl:
             if name in self.controllers:
                 self.controllers[name].activate(self.context_of(name))
         self._apply_gains()
+        self.follow_commands()  # some begin with one
 
     def context_of(self, controller: str) -> Context:
         """Return a controller's own context."""

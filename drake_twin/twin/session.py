@@ -29,13 +29,13 @@ from drake_twin.twin.goals import Goals
 from drake_twin.twin.owner import Owner
 from drake_twin.twin.parameter_changes import ParameterChanges
 from drake_twin.twin.physics import Physics, has_other_parameters, is_same_robot
+from drake_twin.twin.reactions import Reactions
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.rosout import TwinLog, log_of
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
-from drake_twin.twin.triggers import Triggers
 from drake_twin.twin.varied_parameters import SET_AT_START, needs_build
 from drake_twin.twin.wrenches import Wrenches, first_wrenches
 
@@ -81,7 +81,8 @@ class Session:
         is_advancing: Returns whether an advance is under way, so that the diagram cannot be built.
         parameters: What is set of the controllers' parameters.
         events: The topics that no port of the diagram has.
-        triggers: What publishes messages when it hears one.
+        reactions: What the session does by itself between two steps; two of its parts are `triggers` and
+            `deployments`.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -106,7 +107,8 @@ class Session:
         self.is_advancing: Callable[[], bool] = lambda: False
         self.alarm = Alarm(owner, scenario.time_step)
         self.events = EventTopics(owner, lambda: self.clock.time)
-        self.triggers = Triggers(self.clock, self.events, self.subscriptions)
+        self.reactions = Reactions(self.clock, self.events, self.subscriptions)
+        self.triggers, self.deployments = self.reactions.triggers, self.reactions.deployments
         self.triggers.publication = self._publication
         self.parameters = ParameterChanges(self, lambda: self.clock.time)
         TwinLog(self.events[ROSOUT])
@@ -214,7 +216,7 @@ class Session:
             self.wrenches,
             *self.controls.values(),
             self.parameters,
-            self.triggers,
+            *self.reactions.parts,
         )
 
     def state(self) -> dict[str, Any]:
@@ -357,7 +359,7 @@ class Session:
         self.physics.start_at_rest()
         self.commands.start(self.scenario.commands)
         self.wrenches.start(self.physics.pushes, first_wrenches(self.built))
-        self.triggers.start()
+        self.reactions.start()
         for control in self.controls.values():
             control.start()
         self.physics.detachable_joints.follow()
@@ -387,5 +389,5 @@ class Session:
         self.controls = controls
         self.parameters.keep(controls)
         self.commands.use(physics, controls, self.clock)
-        self.triggers.use(physics.built)
+        self.reactions.use(physics.built)
         self.wrenches.use(physics, (*controls, *physics.built.world_models))

@@ -17,7 +17,19 @@ from drake_twin.values import is_number
 from drake_twin.versions import SAVED_STATE
 
 # Entries that are left out where they are empty.
-_OPTIONAL = {"systems", "pushes", "delayed", "later_parameters", "steady_wrenches", "triggered"}
+_OPTIONAL = {
+    "systems",
+    "pushes",
+    "delayed",
+    "later_parameters",
+    "steady_wrenches",
+    "triggered",
+    "detected",
+    "deployed",
+    "to_be_fixed",
+    "wind",
+    "touching",
+}
 
 
 @saved("Snapshot")
@@ -46,6 +58,11 @@ class Snapshot:
         steady_wrenches: The wrenches without an end, also on entities that do not exist.
         triggered: What publishes messages later, as it has heard one: the time (s), its robot or an empty text for the
             world, and its number there.
+        detected: The performers that are inside a region: its model, its number there, and their models.
+        deployed: The number of models that a robot has dropped: the robot, the plugin that drops them, and how many.
+        to_be_fixed: The time (s) at which a model that was dropped is to be fixed to the world, and its name.
+        wind: What the world's wind was last told, where it changes.
+        touching: What looks for touches: its model, its number there, and since when it touches (s); None if not.
 
     Raises:
         InputError: If an entry is invalid.
@@ -70,6 +87,11 @@ class Snapshot:
     later_parameters: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     steady_wrenches: list[Any] = field(default_factory=list)
     triggered: list[tuple[float, str, int]] = field(default_factory=list)
+    detected: list[tuple[str, int, list[str]]] = field(default_factory=list)
+    deployed: list[tuple[str, str, int]] = field(default_factory=list)
+    to_be_fixed: list[tuple[float, str]] = field(default_factory=list)
+    wind: dict[str, Any] = field(default_factory=dict)
+    touching: list[tuple[str, int, float | None]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():
@@ -81,6 +103,7 @@ class Snapshot:
             "expiries": self.expiries.values(),
             "delayed": [time for time, *_ in self.delayed],
             "triggered": [time for time, *_ in self.triggered],
+            "to_be_fixed": [time for time, _ in self.to_be_fixed],
         }
         counts: dict[str, Iterable[float]] = {"step": [self.step], "schedule": self.schedule}
         for name, values in (numbers | counts).items():

@@ -101,8 +101,10 @@ class Stepper:
                     session.triggers.apply()
                     if session.events.is_waiting:
                         session.events.deliver()
-                        if self.paused or session.alarm.requests:
-                            break
+                    if self.paused or session.alarm.requests:
+                        break
+                if session.deployments.moving and session.deployments.fix_due(session.triggers.request):
+                    break
                 if clock.next_time_step is not None and self.change_time_step():
                     target = step_at(end, clock.time_step)
                     continue
@@ -149,7 +151,7 @@ class Stepper:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
                 control.check_joints()
         # CENIC's steps follow from where it is stopped: always at the same places, whatever is subscribed.
-        is_next = target == clock.step + 1 or session.scenario.engine == CENIC
+        is_next = target == clock.step + 1 or session.scenario.engine == CENIC or session.reactions.are_watching
         next_step = clock.step + 1 if is_next else self._next_stop(target)
         try:
             noticed = self._advance_simulator(next_step)
@@ -166,6 +168,8 @@ class Stepper:
                 control.follow_commands()
         if session.goals.items:
             session.goals.deliver()
+        if session.reactions.are_watching:
+            session.reactions.look(physics)
 
     def _publish_scheduled(self, scheduled: ScheduledCommand) -> None:
         try:
@@ -268,6 +272,8 @@ class Stepper:
         ]
         if session.triggers.pending:
             due += session.triggers.due_steps()
+        if session.deployments.moving:
+            due += session.deployments.due_steps()
         if session.wrenches.items or session.wrenches.pushes:
             due += session.wrenches.due_steps(clock)
         if (change := clock.change_step()) is not None:

@@ -6,13 +6,14 @@ in the thread that advances the twin, so that a run repeats to the last bit.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from drake_twin.diagram.topics import PublishedTopic
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.errors import CommandError
+from drake_twin.errors import CommandError, TwinError
 from drake_twin.messages.draft import Draft
 from drake_twin.messages.interface_types import make
 from drake_twin.planning.triggers import OwnedTrigger, as_type
@@ -23,6 +24,7 @@ from drake_twin.twin.schedule import step_at
 from drake_twin.twin.subscriptions import Subscription, Subscriptions
 
 if TYPE_CHECKING:
+    from drake_twin.description.gz_requests import GzRequest
     from drake_twin.description.triggers import TriggeredMessage
 
 _log = logging.getLogger(__name__)
@@ -51,6 +53,7 @@ class Triggers:
 
     Attributes:
         publish: Publishes a command.
+        request: Does what a service of gz-sim's world does; its second argument is called with what is wrong.
         publication: Returns the time (s) at which a port's present message was published; None if it is new.
         endpoints: The topics that no controller listens to and a trigger hears.
         heard: Topic → the triggers that hear it.
@@ -60,6 +63,7 @@ class Triggers:
     def __init__(self, clock: Clock, events: EventTopics, subscriptions: Subscriptions):
         self._clock, self._events, self._subscriptions = clock, events, subscriptions
         self.publish: Publish = lambda topic, data: None
+        self.request: Callable[[GzRequest, Callable[[TwinError], None]], None] = lambda request, refuse: None
         self.publication: Callable[[str], Any] = lambda port: None
         self.endpoints: tuple[Endpoint, ...] = ()
         self.pending: list[tuple[float, str, int]] = []
@@ -71,8 +75,13 @@ class Triggers:
         self._before: list[tuple[float, str, int]] = []
         self._refused: dict[str, str] = {}
 
-    def use(self, built: TwinDiagram) -> None:
-        """Switch to a newly built diagram; what is pending stays if its trigger does."""
+    def use(self, built: TwinDiagram, others: Sequence[Endpoint] = ()) -> None:
+        """Switch to a newly built diagram; what is pending stays if its trigger does.
+
+        Args:
+            built: The diagram.
+            others: Topics of the twin that no port has and that are published elsewhere.
+        """
         self._known = {(item.owner, item.number): item for item in built.triggers}
         self.pending = [entry for entry in self.pending if entry[1:] in self._known]
         self.heard = {}
@@ -86,17 +95,19 @@ class Triggers:
             self._ends.pop(topic)()
         for topic in sorted((self.heard.keys() & published.keys()) - self._ends.keys()):
             self._ends[topic] = self._follow(topic)
-        heard = {topic: self._type(topic) for topic in self.heard if topic not in published}
+        known = {*published, *(item.name for item in others)}
+        heard = {topic: self._type(topic) for topic in self.heard if topic not in known}
         self.endpoints = tuple(
             Endpoint(COMMANDED, topic, type_, TWIN_NODE) for topic, type_ in heard.items() if topic not in self._types
         )
         told = {message.topic: message.type for item in built.triggers for message in item.trigger.messages}
-        taken = {*self._types, *heard, *published}
-        self._events.use(
+        taken = {*self._types, *heard, *known}
+        more = (
             Endpoint(PUBLISHED, topic, type_, TWIN_NODE, depth=_DEPTH)
             for topic, type_ in told.items()
             if topic not in taken
         )
+        self._events.use((*others, *more))
 
     def hears(self, topic: Any) -> bool:
         """Tell whether a message that is published to the twin may trigger something."""
@@ -113,11 +124,11 @@ class Triggers:
             CommandError: If the message does not fit the topic.
         """
         if topic not in self._types:
-            self._take(topic, self.check(topic, data))
+            self.take(topic, self.check(topic, data))
             return
         fields = data if isinstance(data, Mapping) or hasattr(data, "__msgtype__") else {"data": data}
         with suppress(TypeError, ValueError):  # its controller may refuse it
-            self._take(topic, make(self._types[topic], fields))
+            self.take(topic, make(self._types[topic], fields))
 
     def check(self, topic: str, data: Any) -> Any:
         """Return data as a message of a topic.
@@ -135,8 +146,8 @@ class Triggers:
         types = (item.trigger.type for item in self.heard[topic] if item.trigger.type)
         return next(types, _TYPE_OF_ANY)
 
-    def _take(self, topic: str, message: Any) -> None:
-        """Note what a message triggers."""
+    def take(self, topic: str, message: Any) -> None:
+        """Note what a message triggers that is on a topic."""
         kind = message.__msgtype__
         for item in self.heard.get(topic, ()):
             is_heard = item.trigger.type in (kind, _ANY) and item.trigger.hears(message)
@@ -150,8 +161,12 @@ class Triggers:
             if step_at(time, self._clock.time_step) > self._clock.step:
                 self.pending.append((time, owner, number))
                 continue
-            for message in self._known[owner, number].trigger.messages:
+            trigger = self._known[owner, number].trigger
+            for message in trigger.messages:
                 self._publish(message)
+            for item in trigger.requests:
+                if item.request is not None:
+                    self.request(item.request, partial(self._refuse, item.service))
 
     def keep(self) -> None:
         """Note what is pending, for `take_back`."""
@@ -190,7 +205,7 @@ class Triggers:
         if topic in self._types:
             self._command(topic, as_type(self._types[topic], message))
         elif topic in self.heard:
-            self._take(topic, make(message.type, message.fields))
+            self.take(topic, make(message.type, message.fields))
         elif topic in self._events:
             self._events[topic].put(lambda: message.fields)
 
@@ -198,11 +213,14 @@ class Triggers:
         try:
             self.publish(topic, data)
         except CommandError as error:
-            if self._refused.get(topic) != str(error):  # once for each cause
-                _log.warning("%s", error)
-            self._refused[topic] = str(error)
+            self._refuse(topic, error)
         else:
             self._refused.pop(topic, None)
+
+    def _refuse(self, name: str, error: TwinError) -> None:
+        if self._refused.get(name) != str(error):  # once for each cause
+            _log.warning("%s: %s" if name.startswith("/world/") else "%.0s%s", name, error)
+        self._refused[name] = str(error)
 
     def _follow(self, topic: str) -> Callable[[], None]:
         """Hear a topic that the twin publishes."""
@@ -216,7 +234,7 @@ class Triggers:
             published = self.publication(port)
             is_new = published is None or published > self._clock.time - period + 1e-9
             if is_new and (message := draft.message()) is not None:
-                self._take(topic, message)
+                self.take(topic, message)
 
         # Drafts are given at the points of the grid alone, so that a restored twin hears the same.
         return Subscription(port, hear, period, self._clock.time, takes_drafts=True, offset=item.offset)

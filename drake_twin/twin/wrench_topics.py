@@ -6,7 +6,6 @@ from typing import Any
 from drake_twin import messages
 from drake_twin.errors import CommandError, InputError
 from drake_twin.scenario import LONGEST_TIME
-from drake_twin.twin.endpoints import COMMANDED, TWIN_NODE, Endpoint
 from drake_twin.twin.entity_state import Wrench, find_body
 from drake_twin.twin.session import Session
 
@@ -32,10 +31,6 @@ class WrenchTopics:
     def types(self) -> dict[str, str]:
         """Topic → ROS message type."""
         return {topic: _ENTITY if kind == _CLEAR else _WRENCH for topic, kind in self._kinds().items()}
-
-    def endpoints(self) -> tuple[Endpoint, ...]:
-        """Return the topics as part of the graph."""
-        return tuple(Endpoint(COMMANDED, topic, kind, TWIN_NODE) for topic, kind in self.types.items())
 
     def read(self, topic: str, data: Any) -> Any:
         """Return the message of one of the topics.

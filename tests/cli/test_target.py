@@ -56,6 +56,20 @@ def test_other_names_are_told_by_what_is_in_the_file(tmp_path, name, text, is_la
     assert (find_launch_file([str(tmp_path / name)], []) is not None) is is_launch
 
 
+def test_a_launch_file_sees_in_sys_argv_what_ros2_launch_would_be_told(workspace):
+    """Some take their arguments by their number, which follows ``PACKAGE FILE``, or the path."""
+    folder = workspace / "src" / "group" / "my_bringup" / "launch"
+    text = "import sys\nfrom launch import LaunchDescription\n"
+    text += "from launch.actions import IncludeLaunchDescription, LogInfo\n"
+    text += "def generate_launch_description():\n    log = LogInfo(msg=' '.join(sys.argv[1:]))\n"
+    text += f"    return LaunchDescription([log, IncludeLaunchDescription({str(folder / 'arm.launch.xml')!r})])\n"
+    file = folder / "argv.launch.py"
+    file.write_text(text)
+    options = ("--workspace", workspace, "a:=1")
+    assert target("my_bringup", "argv.launch.py", *options).log[0] == "launch my_bringup argv.launch.py a:=1"
+    assert target(file, *options).log[0] == f"launch {file} a:=1"
+
+
 def test_a_package_and_its_launch_file_as_with_ros2_launch(workspace):
     options = ("--workspace", workspace)
     assert [robot.name for robot in target("my_bringup", "arm.launch.xml", *options).scenario.robots] == ["arduinobot"]
@@ -159,6 +173,12 @@ def test_what_is_typed_goes_before_what_the_launch_file_publishes(tmp_path):
     file = publishing(tmp_path, COMMANDS)
     assert target(file).scenario.commands == (Command(COMMANDS, (1, 0, 0, 0), optional=True),)
     assert target(file, "--pub", COMMANDS, "[0, 1, 0, 0]").scenario.commands == (Command(COMMANDS, (0, 1, 0, 0)),)
+
+
+@pytest.mark.parametrize("value", [0.5, 2, True, "a text"])
+def test_a_value_that_is_typed_is_that_of_a_message_with_one_field(tmp_path, value):
+    (command,) = target(publishing(tmp_path, COMMANDS), "--pub", "/one", f"{{data: {value}}}").scenario.commands[-1:]
+    assert command == Command("/one", {"data": value})
 
 
 @pytest.mark.parametrize(

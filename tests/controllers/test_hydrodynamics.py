@@ -49,6 +49,7 @@ def test_a_current_that_is_not_finite_is_refused():
         ({"coefficients": {"xX": 1.0}}, "'xX' is not a coefficient, as xU, xUabsU, xUV or xDotU are"),
         ({"coefficients": {"xU": nan}}, "xU is nan, which is not finite"),
         ({"default_current": [1.0]}, "default_current has to have 3 numbers"),
+        ({"fluid_added_mass": [1.0] * 6}, "fluid_added_mass has to have 36 numbers"),
     ],
 )
 def test_parameters_that_are_refused(parameters, says):
@@ -155,3 +156,24 @@ def test_a_link_that_is_welded_to_the_world_answers_nothing(tmp_path):
     plant = twin_of(tmp_path, "").plant
     link = plant.GetBodyByName("top", plant.GetModelInstanceByName("post"))
     assert not LinkResponse(plant, [link]).own.any()
+
+
+def floating(added, more=""):
+    inertial = f"<inertial><mass>2</mass><fluid_added_mass>{added}</fluid_added_mass></inertial>"
+    return f'<model name="buoy"><link name="hull">{inertial}</link>{more}</model>'
+
+
+@pytest.mark.parametrize("more", ["", hydrodynamics(yDotV=-1)])
+def test_a_link_with_sdfs_added_mass_accelerates_as_with_that_mass_beside_a_plugins(tmp_path, more):
+    twin = twin_of(tmp_path, "<gravity>0 0 0</gravity>", 0.01, {"buoy": (floating("<yy>5</yy>", more), (0, 0, 0))})
+    twin.entities.apply_wrench("buoy", force=(0.0, 7.0, 0.0), duration=1.0)
+    twin.advance_to(1.0)
+    assert twin.entities.state("buoy").linear == pytest.approx((0.0, 7.0 / (8.0 if more else 7.0), 0.0))
+    assert not [item for item in twin.findings if "added" in item.what]
+
+
+def test_sdfs_added_mass_that_is_no_number_is_refused_with_file_and_line(tmp_path):
+    with pytest.raises(InputError) as refusal:
+        twin_of(tmp_path, "", 0.01, {"buoy": (floating("\n<yy>much</yy>"), (0, 0, 0))})
+    assert str(refusal.value).startswith(f"{tmp_path / 'buoy.sdf'}:1: ")
+    assert "<yy> of the link's added mass is 'much'" in str(refusal.value)

@@ -305,12 +305,12 @@ POSITIONS, VELOCITIES = "gz-sim-joint-position-controller-system", "gz-sim-joint
         (POSITIONS, "<cmd_max>20</cmd_max><cmd_min>-4</cmd_min>", Servo(1.0, 0.01), {"fl": 4}, {}),
         (POSITIONS, "<use_velocity_commands>1</use_velocity_commands><cmd_max>3</cmd_max>", Servo(), {}, {"fl": 3}),
         (VELOCITIES, "<use_force_commands>true</use_force_commands><p_gain>0.2</p_gain>", Servo(0.2), {"fl": 1000}, {}),
-        (VELOCITIES, "", None, {}, {}),
+        (VELOCITIES, "", Servo(), {}, {}),
     ],
 )
 def test_joint_controllers_of_gz_have_their_own_servos(filename, inside, servo, efforts, velocities):
     drive = drive_of(f"<joint_name>fl</joint_name>{inside}", filename)
-    assert list(drive.servos.values()) == ([] if servo is None else [servo])
+    assert list(drive.servos.values()) == [servo]
     assert (drive.efforts, drive.velocities) == (efforts, velocities)
 
 
@@ -373,6 +373,14 @@ def test_joint_controllers_of_gz_may_be_commanded_by_an_element_of_actuators(fil
     assert "<use_actuator_msg> without <actuator_number>" in without.warnings[0]
     negative = drive_of(f"{asked}<actuator_number>-1</actuator_number>", filename)
     assert "<actuator_number> is -1, which is not an index" in negative.not_started
+
+
+def test_a_joint_controller_may_begin_with_a_velocity():
+    asked = "<joint_name>fl</joint_name><joint_name>fr</joint_name>"
+    drive = drive_of(f"{asked}<initial_velocity>-3</initial_velocity>", VELOCITIES)
+    assert drive.controller.type == "gz_sim/JointController"
+    assert drive.controller.parameters == {"joints": ["fl", "fr"], "initial_velocity": -3.0}
+    assert drive_of(asked, VELOCITIES).controller.type == "velocity_controllers/JointGroupVelocityController"
 
 
 def test_a_pid_with_an_integral_part_or_an_offset_has_a_controller_of_it():

@@ -69,9 +69,16 @@ def test_a_static_model_is_a_fixed_robot_with_moving_joints(value, expected):
     assert "<static>" not in text
 
 
-def test_another_joint_to_the_world_is_refused():
-    text = refusal(prepare, ARM + TO_WORLD.format(kind="revolute", inside=AXIS.format("")))
-    assert text == 'arm.sdf:2: <joint name="weld">: a joint to the world must be fixed.'
+def test_a_joint_that_moves_against_the_world_hangs_on_a_link_as_a_urdfs_world(tmp_path):
+    body = '<link name="base"><inertial><mass>2</mass></inertial></link>'
+    body += TO_WORLD.format(kind="prismatic", inside=AXIS.format(""))
+    assert prepare(body)[1] is True
+    (tmp_path / "rail.sdf").write_text(sdf(body))
+    twin = TwinBuilder(time_step=0.001).robot("rail", tmp_path / "rail.sdf", xyz=(1, 2, 3)).build()
+    twin.advance_to(0.5)
+    assert twin.entities.state("rail::base").position == pytest.approx((1.0, 2.0, 3.0 - 9.81 * 0.5**2 / 2), abs=0.003)
+    twin.advance_to(0.6)
+    assert twin.entities.state("rail::world").position == (1.0, 2.0, 3.0)
 
 
 def test_a_world_file_is_refused():

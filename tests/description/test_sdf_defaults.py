@@ -61,7 +61,7 @@ def test_what_gazebo_saves_unchanged_is_no_finding_in_a_world(tmp_path):
 @pytest.mark.parametrize(
     ("default", "value", "message"),
     [
-        ("<enable_wind>0", "<enable_wind>1", "<enable_wind> in <model>"),
+        ("<allow_auto_disable>1", "<allow_auto_disable>0", "<allow_auto_disable> in <model>"),
         ("<kinematic>0", "<kinematic>true", "<kinematic> in <link>"),
         ("<linear>0", "<linear>0.1", "<velocity_decay> in <link>"),
         ("<transparency>0", "<transparency>0.5", "<transparency> in <visual>"),
@@ -81,12 +81,13 @@ def test_what_differs_is_one_finding(tmp_path, default, value, message):
 
 
 def test_elements_that_nothing_reads_are_one_line_of_a_run_and_findings_of_their_own(tmp_path):
-    changed = SAVED.replace("<enable_wind>0", "<enable_wind>1").replace("<kinematic>0", "<kinematic>1")
+    changed = SAVED.replace("<linear>0", "<linear>1").replace("<kinematic>0", "<kinematic>1")
+    changed = changed.replace("<allow_auto_disable>1", "<allow_auto_disable>0")
     found = findings_of(tmp_path, changed)
     assert [finding.what for finding in found] == [
-        "<enable_wind> in <model>",
-        *(f"<{tag}> in <link>" for tag in ("kinematic", "enable_wind")),
+        "<allow_auto_disable> in <model>",
+        *(f"<{tag}> in <link>" for tag in ("kinematic", "velocity_decay")),
     ]
     assert most_telling(found) == [
-        "ignored: <enable_wind> in <model> (r.sdf:2); <kinematic>, <enable_wind> in <link> (r.sdf:3, 4)",
+        "ignored: <allow_auto_disable> in <model> (r.sdf:2); <kinematic>, <velocity_decay> in <link> (r.sdf:3, 4)",
     ]

@@ -82,9 +82,27 @@ def test_a_cone_is_a_mesh_with_its_tip_along_z_about_the_middle_of_its_length(tm
     assert mesh.vertices[mesh.vertices[:, 2] > 0] == pytest.approx(np.array([[0.0, 0.0, 0.4]]))
 
 
-@pytest.mark.parametrize("size", ["<radius>0</radius><length>1</length>", "<radius>1</radius>"])
-def test_a_cone_without_a_size_is_left_out(tmp_path, size):
-    shape, (what,) = geometry(f"<cone>{size}</cone>", tmp_path)
+@pytest.mark.parametrize(
+    ("text", "size", "what"),
+    [
+        ("<box>2 2 2</box>", {"size": "1 1 1"}, "a collision <box> has the size 1 1 1"),
+        ("<sphere/>", {"radius": "1"}, "a collision <sphere> has the radius 1"),
+        ("<cylinder/>", {"radius": "1", "length": "1"}, "a collision <cylinder> has the radius 1 and the length 1"),
+        ("<cylinder><radius>0.2</radius></cylinder>", {"radius": "0.2", "length": "1"}, "has the length 1"),
+        ("<capsule/>", {"radius": "0.5", "length": "1"}, "a collision <capsule> has the radius 0.5 and the length 1"),
+        ("<ellipsoid/>", {"radii": "1 1 1"}, "a collision <ellipsoid> has the radii 1 1 1"),
+    ],
+)
+def test_a_size_that_is_not_there_is_sdformats(tmp_path, text, size, what):
+    """In Gazebo Fortress, with DART, their middles rest at 0.5, 1, 0.5, 0.5, 1 and 1 m above a plane."""
+    shape, (said,) = geometry(text, tmp_path)
+    assert {tag: shape.findtext(f"geometry//{tag}") for tag in size} == size
+    assert what in said
+    assert said.endswith("as in Gazebo: it gives none")
+
+
+def test_a_cone_without_a_size_is_left_out(tmp_path):
+    shape, (what,) = geometry("<cone><radius>0</radius><length>1</length></cone>", tmp_path)
     assert shape is None
     assert what.startswith("a: a collision <cone> has no size")
 

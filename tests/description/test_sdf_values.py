@@ -69,7 +69,7 @@ def test_a_number_at_which_drakes_own_code_fails_is_told(tmp_path):
     assert str(refused.value) == f"{tmp_path}/m.sdf:9: {what}."
 
 
-def test_a_frame_that_only_the_twins_plant_misses_has_the_line_that_names_it(tmp_path):
-    (tmp_path / "m.sdf").write_text(SDF.replace('<visual name="v">', '<visual name="v"><pose relative_to="x"/>'))
-    with pytest.raises(InputError, match=rf"^{tmp_path}/m.sdf:4: "):
+def test_a_frame_that_the_model_lacks_has_the_line_that_names_it(tmp_path):
+    (tmp_path / "m.sdf").write_text(SDF.replace('<link name="b">', '<link name="b"><pose relative_to="x"/>'))
+    with pytest.raises(InputError, match=rf"^{tmp_path}/m.sdf:7: "):
         TwinBuilder().robot("r", tmp_path / "m.sdf").build()

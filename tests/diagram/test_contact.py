@@ -111,3 +111,18 @@ def test_drake_adds_nothing_to_a_face_when_a_context_is_created(tmp_path, contac
             for group in used.GetGroupNames():
                 assert set(used.GetPropertiesInGroup(group)) == set(own.GetPropertiesInGroup(group))
     assert faces >= 1
+
+
+SHAPES_OF_ONE = """<robot name="cart"><link name="base"><inertial><mass value="1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>
+<collision><geometry><cylinder radius="0.1" length="0.3"/></geometry></collision>
+<collision><origin xyz="0.1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link></robot>"""
+
+
+def test_the_shapes_of_one_link_do_not_touch_where_links_of_one_robot_do(tmp_path):
+    """Drake forgets that two shapes are on one body where one of them is changed."""
+    twin = twin_of(tmp_path, SHAPES_OF_ONE, World(gravity=(0, 0, 0), ground=False), self_collision=True)
+    twin.advance_to(0.01)
+    results = twin.plant.get_contact_results_output_port().Eval(twin.plant.GetMyContextFromRoot(twin.context))
+    assert (results.num_hydroelastic_contacts(), results.num_point_pair_contacts()) == (0, 0)

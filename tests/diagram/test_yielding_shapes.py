@@ -8,6 +8,7 @@ import pytest
 import trimesh
 from pydrake.geometry import Convex
 
+from drake_twin.diagram.track_shapes import soft_box
 from drake_twin.diagram.yielding_shapes import _box_surface, _fine_box, _fine_hull, _hard_surface, _surface
 
 SHAPES = {
@@ -63,6 +64,22 @@ def test_a_hull_is_filled_with_a_core_at_one_depth(name):
 
 def test_a_box_is_filled_with_a_core_at_one_depth():
     check(_fine_box(0.008, 0.07, 0.15), 0.002, SHAPES["plate"])
+
+
+@pytest.mark.parametrize("size", [(0.6, 0.1, 0.15), (0.1, 0.6, 0.15), (0.2, 0.2, 0.2), (2.0, 0.01, 0.1)])
+def test_the_box_of_a_track_has_squares_on_its_sides_and_one_point_inside(size):
+    points, tetrahedra = read(soft_box(*size))
+    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
+    volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    assert volumes.min() > 0
+    assert volumes.sum() == pytest.approx(np.prod(size))
+    assert np.abs(d).max() == 0.0
+    faces = Counter(tuple(sorted(face)) for each in tetrahedra.tolist() for face in combinations(each, 3))
+    assert sorted(set(faces.values())) == [1, 2]
+    below = np.isclose(points[:, 2], -size[2] / 2)
+    lengths = [len(set(points[below, axis].round(9).tolist())) - 1 for axis in range(2)]
+    assert lengths == [max(round(8 * length / max(size)), 2) for length in size[:2]]
+    assert below[tetrahedra[:, :3]].all(axis=1).sum() == 2 * np.prod(lengths)
 
 
 def test_the_pressure_behind_the_lower_part_of_an_upright_side_falls_towards_the_ground():

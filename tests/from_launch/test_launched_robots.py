@@ -150,6 +150,18 @@ def test_a_text_that_includes_a_missing_model_says_so(tmp_path):
         launched(tmp_path, create("-string", text, "-name", "one"))
 
 
+def test_a_relative_file_is_in_the_working_folder_or_beside_the_launch_file(tmp_path, monkeypatch):
+    here = tmp_path / "here"
+    write_hinge(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    (here / "models").mkdir(parents=True)
+    launch = launched(here, create("-file", f"./{write_hinge(tmp_path).name}", "-name", "r"))
+    assert list(robots(launch)) == ["r"]
+    write_hinge(here / "models")
+    launch = launched(here, create("-file", f"./models/{write_hinge(tmp_path).name}", "-name", "r"))
+    assert list(robots(launch)) == ["r"]
+
+
 def test_an_entity_without_a_name_has_its_descriptions(tmp_path):
     assert list(robots(launched_hinge(tmp_path))) == ["hinge"]
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), node("gazebo_ros", "spawn_entity.py", "-entity", "r"))

@@ -42,6 +42,8 @@ LOOPS = {
     "an event": "while not node.event.is_set():\n    print(end='')",
     "a lock": "while True:\n    with node.lock:\n        if node.data is not None:\n            break",
     "a loop in a loop": "while True:\n    if flag:\n        while not flag: pass\n        break",
+    "a value": "missing = True\nwhile missing:\n    data = node.data\n    missing, other = data is None, flag",
+    "a for": "while True:\n    for number in (1, 2):\n        if flag: number = 9\n    if flag: break",
     "a function": "def wait():\n    while True:\n        if flag:\n            return\nwait()",
     "a try": "try:\n    while True:\n        if flag: raise KeyError\nexcept KeyError:\n    pass",
 }
@@ -171,3 +173,34 @@ def test_a_run_with_a_polling_thread_has_the_same_state_twice(tmp_path):
     ]
     assert found[0] == found[1]
     assert found[0].endswith(" True\n")
+
+
+def test_a_loop_that_publishes_one_message_until_something_changes_goes_on_step_by_step(tmp_path, capsys):
+    """What it waits for comes at 0.041 s: a thousand messages a step would be 40,000."""
+    loop = f"""
+publisher, sent = node.create_publisher(Float64MultiArray, "{COMMANDS}", 10), 0
+while node.data is None:
+    publisher.publish(Float64MultiArray(data=[1.0, 1.0, 1.0, 1.0]))
+    sent += 1
+print(node.count, round(time.monotonic(), 3), sent < 1000)
+"""
+    with running(script(tmp_path, "f.py", SPINNER + loop)) as twin:
+        twin.advance_to(0.1)
+    assert lines(capsys)[-1] == "5 0.041 True"
+
+
+def test_messages_that_differ_are_published_at_once(tmp_path, capsys):
+    text = f"""
+import time
+{HEAD}
+rclpy.init()
+publisher = Node("my").create_publisher(String, "/words", 10)
+for number in range(200):
+    publisher.publish(String(data=str(number)))
+for _ in range(10):
+    publisher.publish(String(data="stop"))
+print(time.monotonic())
+"""
+    with running(script(tmp_path, "f.py", text)) as twin:
+        twin.advance_to(0.1)
+    assert lines(capsys) == ["0.0"]

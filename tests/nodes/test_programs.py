@@ -108,6 +108,20 @@ def test_the_packages_around_a_module_are_imported_and_each_once(module, importe
     assert lines(capsys) == [*imported, "runs"]
 
 
+def test_modules_that_are_installed_beside_a_console_script_are_found(tmp_path, capsys):
+    """``lib/PACKAGE`` is the first folder on the path of such a script."""
+    package = python_package(tmp_path, "greeter", "hello")
+    files = '("lib/" + package_name, glob(package_name + "/*_utils.py"))'
+    setup = (package / "setup.py").read_text().replace("data_files=[", f"data_files=[{files}, ")
+    (package / "setup.py").write_text(f"from glob import glob\n{setup}")
+    script(package, "greeter/word_utils.py", "LOUD = 'HELLO'\n")
+    script(package, "greeter/talk.py", "import word_utils\n\n\ndef main():\n    print(word_utils.LOUD)\n")
+    with rovers(1).package_path(tmp_path).node("talk", package="greeter").build() as twin:
+        twin.advance_to(0.01)
+        assert twin.findings == ()
+    assert lines(capsys) == ["HELLO"]
+
+
 def test_the_exit_code_of_a_console_script_counts(tmp_path, capsys):
     python_package(tmp_path, "greeter", "hello")
     with rovers(1).package_path(tmp_path).node("other", package="greeter").build() as twin:

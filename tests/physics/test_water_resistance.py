@@ -233,3 +233,67 @@ def test_a_replay_and_a_restored_twin_repeat_the_motion_to_the_last_bit(tmp_path
     twin.publish("/ocean_current", make("geometry_msgs/msg/Vector3", {"x": 0.5, "y": 0.0, "z": 0.0}))
     goes_on_to_the_same_bits(twin, tmp_path, 0.7)
     assert height(twin, "auv") > 0
+
+
+# Ellipsoids of 1 m × 0.5 m × 0.5 m (half axes) and 1025 kg/m³ in fluids of 1025, 102.5 and 10250 kg/m³, by Lamb's
+# coefficients. After 1 s of a force and a torque about (1, 1, 0), from rest: where an independent integration has them,
+# as gz-sim's integration test added_mass.cc gives it: place, angle, axis, velocity, angular velocity.
+ELLIPSOIDS = [
+    (
+        1.0,
+        (0.1615036362557803, 0.10710173528687592, -0.0024940422102210013),
+        0.31351100787675423,
+        (0.9487133476959254, 0.2967465880246766, -0.10901580802481375),
+        (0.32087488227940963, 0.212772641112832, -0.010283659814296216),
+        (0.0031500380024329826, 0.0022451901112414984, -0.052564274312245286),
+    ),
+    (
+        0.1,
+        (0.19339397146633158, 0.18238590690754014, -0.0006146904921505786),
+        0.3185857744101227,
+        (0.9309057658841812, 0.3615623345327693, -0.051837566405069514),
+        (0.386607475883442, 0.36477533916100213, -0.002544369239292084),
+        (0.0005006537195657914, 0.0007044864197475587, -0.012889587224151892),
+    ),
+    (
+        10.0,
+        (0.0616809222579082, 0.020951194425796703, -0.0006836779301496875),
+        0.2990323477528498,
+        (0.992866493007573, 0.11317163977508175, -0.03752741682373132),
+        (0.12296544056644206, 0.04157265120194949, -0.002832810385198371),
+        (0.0017159692398096078, 0.00022402938638815302, -0.014274584996716126),
+    ),
+]
+
+
+@pytest.mark.parametrize("by_plugin", [True, False])
+@pytest.mark.parametrize(("fluid", "place", "angle", "axis", "linear", "angular"), ELLIPSOIDS)
+def test_ellipsoids_are_where_gz_sims_own_test_has_them(
+    tmp_path, fluid, place, angle, axis, linear, angular, by_plugin
+):
+    """Within that test's bounds, with the plugin's added mass and with that of SDF itself."""
+    mass = 4 / 3 * pi * 0.25 * 1025
+    moments = dict(zip("xyz", (mass / 10, mass / 4, mass / 4), strict=True))
+    inertia = "".join(f"<i{name}{name}>{value}</i{name}{name}>" for name, value in moments.items())
+    along, across, turning = fluid * 236.14304779483277, fluid * 901.6370915802705, fluid * 64.40264939859075
+    own, plugin = "", ""
+    if by_plugin:
+        plugin = hydrodynamics(xDotU=-along, yDotV=-across, zDotW=-across, mDotQ=-turning, nDotR=-turning)
+    else:
+        values = {"xx": along, "yy": across, "zz": across, "qq": turning, "rr": turning}
+        own = "".join(f"<{tag}>{value}</{tag}>" for tag, value in values.items())
+        own = f"<fluid_added_mass>{own}</fluid_added_mass>"
+    inertial = f"<inertial><mass>{mass}</mass><inertia>{inertia}</inertia>{own}</inertial>"
+    text = f'<model name="auv"><link name="hull">{inertial}</link>{plugin}</model>'
+    twin = twin_of(tmp_path, "<gravity>0 0 0</gravity>", 0.001, {"auv": (text, (0, 0, 0))})
+    for step in range(1, 1001):
+        force, torque = 2000 * np.sin(0.003 * pi * step), 200 * np.sin(0.002 * pi * step)
+        twin.entities.apply_wrench("auv", force=(force, force, 0), torque=(torque, torque, 0), duration=0.001)
+        twin.advance_to(step / 1000)
+    R, v, w = motion(twin)
+    turned = Rotation.from_matrix(R).as_rotvec()
+    assert twin.entities.state("auv").position == pytest.approx(place, abs=1e-3)
+    assert np.linalg.norm(turned) == pytest.approx(angle, abs=1e-5)
+    assert turned / np.linalg.norm(turned) == pytest.approx(axis, abs=1e-4)
+    assert v == pytest.approx(linear, abs=2e-5)
+    assert w == pytest.approx(angular, abs=1e-4)

@@ -212,7 +212,7 @@ def test_a_topic_of_another_type_in_the_twin_is_a_finding(build):
     ("plugin", "why"),
     [
         (trigger("", TOLD), "<input> is missing"),
-        (trigger(START), "it publishes nothing: <output> is missing"),
+        (trigger(START), "it does nothing: <output> or <service> is missing"),
         (trigger('<input topic="/a"/>', TOLD), "<input> has no type"),
         (trigger('<input type="gz.msgs.Empty"/>', TOLD), "<input> has no topic"),
         (trigger('<input type="gz.msgs.Model" topic="/a"/>', TOLD), "the twin knows no message type 'gz.msgs.Model'"),
@@ -254,11 +254,6 @@ def test_a_bad_value_is_refused_with_its_file_and_line(build, plugin, why):
     with pytest.raises(InputError) as raised:
         build(plugin)
     assert str(raised.value).endswith(f"w.sdf:3: <plugin filename='gz-sim-triggered-publisher-system'>: {why}.")
-
-
-def test_a_service_is_ignored_with_a_finding(build):
-    twin = build(trigger(START, TOLD, more='<service name="/s" reqType="gz.msgs.Empty"/>'))
-    assert "<service> of Gazebo plugin triggered_publisher" in [item.what for item in twin.findings]
 
 
 def test_a_static_model_of_the_world_may_have_one(build):

@@ -37,8 +37,8 @@ def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
         "cmd_vel_timeout": 0.0,
         "publish_rate": rate,
         "tf_frame_prefix_enable": not plugin.has("frame_id"),
-        "linear": {"x": _gz_limits(plugin, "linear")},
-        "angular": {"z": _gz_limits(plugin, "angular")},
+        "linear": {"x": gz_limits(plugin, "linear")},
+        "angular": {"z": gz_limits(plugin, "angular")},
     }
     return plugin.drive(
         "diff_drive_controller/DiffDriveController",
@@ -62,7 +62,7 @@ def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
         wheels[f"{here}_wheel_command_joint_name"], *more = plugin.joints(f"{there}_joint")
         if more:
             raise CannotWorkError(f"there are {1 + len(more)} <{there}_joint>, but only four wheels are supported")
-    limits, rate = _gz_limits(plugin), _odometry_rate(plugin)
+    limits, rate = gz_limits(plugin), _odometry_rate(plugin)
     parameters = (
         _gz_odometry(plugin, rate)
         | wheels
@@ -111,8 +111,8 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
         "steering_track_width": plugin.number("kingpin_width", 0.8),
         # gz takes wheel_base / sin(limit) for the smallest turning radius
         "largest_steering_angle": atan(sin(plugin.number("steering_limit", 0.5))),
-        "linear": {"x": _gz_limits(plugin)},
-        "angular": {"z": _gz_limits(plugin)},
+        "linear": {"x": gz_limits(plugin)},
+        "angular": {"z": gz_limits(plugin)},
     }
     return plugin.drive(
         "ackermann_steering_controller/AckermannSteeringController",
@@ -155,15 +155,22 @@ def _gz_odometry(plugin: DrivePlugin, rate: float = 0.0) -> dict[str, Any]:
     }
 
 
-def _gz_limits(plugin: DrivePlugin, direction: str = "") -> dict[str, float]:
-    """Return gz's limits of one direction; where it has only one bound, the other is infinite."""
+def gz_limits(plugin: DrivePlugin, direction: str = "", above: str = "") -> dict[str, float]:
+    """Return gz's limits of one direction; where it has only one bound, the other is infinite.
+
+    Args:
+        plugin: The plugin.
+        direction: A part of the elements' names, which they may have.
+        above: The element that they are in, with a ``/`` after it.
+    """
     limits: dict[str, float] = {}
     lower_names = {"velocity": "min_velocity", "acceleration": "max_acceleration_reverse", "jerk": "min_jerk"}
     for what, lower_name in lower_names.items():
         bounds = []
         for side in ("min", "max"):
             tags = [f"{side}_{direction}_{what}"] if direction else []
-            given = [plugin.number(tag, 0.0) for tag in (*tags, f"{side}_{what}") if plugin.has(tag)]
+            tags = [f"{above}{tag}" for tag in (*tags, f"{side}_{what}")]
+            given = [plugin.number(tag, 0.0) for tag in tags if plugin.has(tag)]
             bounds.append(given[0] if given else None)
         if bounds != [None, None]:
             lower, upper = bounds

@@ -6,6 +6,7 @@ from typing import Any
 
 from drake_twin.description.gazebo_drive import (
     ACTUATORS,
+    JOINT_CONTROLLER,
     JOINT_PID,
     CannotWorkError,
     DrivePlugin,
@@ -67,7 +68,10 @@ def joint_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-joint-controller-system`` to a controller of velocities, with its PID if it commands forces."""
     drive = _joint_commands(plugin, "velocity", "joint/{joint}/cmd_vel")
     if not plugin.flag("use_force_commands", False):
-        return drive
+        if first := plugin.number("initial_velocity", 0.0):
+            parameters = {"joints": [joint for joint, _ in drive.interfaces], "initial_velocity": first}
+            drive = replace(drive, controller=plugin.controller(JOINT_CONTROLLER, parameters))
+        return replace(drive, servos=dict.fromkeys(drive.interfaces, Servo()))
     drive = _with_pid(plugin, drive, _servo(plugin.number("p_gain", 1.0)))
     derivative = plugin.number("d_gain", 0.0)
     unused = f"<d_gain> of {derivative:g} is not simulated"

@@ -2,7 +2,14 @@
 
 from typing import Any
 
-from drake_twin.description.gazebo_drive import MULTICOPTER, CannotWorkError, DrivePlugin, GazeboDrive, gazebo_plugin
+from drake_twin.description.gazebo_drive import (
+    MULTICOPTER,
+    CannotWorkError,
+    DrivePlugin,
+    GazeboDrive,
+    Servo,
+    gazebo_plugin,
+)
 from drake_twin.description.gazebo_plugins import plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
 
@@ -63,6 +70,10 @@ def multicopter_motor_model_system(plugin: DrivePlugin) -> GazeboDrive:
         topics={own: below for own, (_, below) in names.items()},
         gz_topics={own: f"/{namespace}/{below}" for own, (namespace, below) in names.items()},
         interfaces=interfaces,
+        servos={
+            interface: Servo(time_constant=up)
+            for interface, up in zip(interfaces, parameters["time_constants_up"], strict=True)
+        },
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from typing import Any
 
-from drake_twin.description.added_mass import fluid_added_mass
+from drake_twin.description.added_mass import IMPLIED, added_mass_of, fluid_added_mass
 from drake_twin.description.gazebo_drive import (
     BUOYANCY_ENGINE,
     EACH_STEP,
@@ -36,6 +36,8 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         "disable_coriolis": plugin.flag("disable_coriolis", False),
         "default_current": list(plugin.vector("default_current")),
     }
+    if (added := fluid_added_mass(plugin.description.text, link, plugin)) is not None:
+        parameters["fluid_added_mass"] = added.ravel().tolist()
     plugin.has("water_density")  # which gz-sim does not use
     space = plugin.text("namespace", "").strip("/")
     topic = f"/model/{space}/ocean_current" if space else "/ocean_current"
@@ -49,6 +51,14 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
             *(_one_way(tag, value) for tag, value in coefficients.items() if value and _is_square(tag)),
         ),
     )
+
+
+@gazebo_plugin(IMPLIED)
+def fluid_added_mass_of_link(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert SDF's ``<fluid_added_mass>`` of a link without a plugin about it, as Gazebo's engine has it."""
+    values = {tag: plugin.text(tag, "") for tag in plugin.plugin.elements}
+    added = added_mass_of(values, plugin)
+    return plugin.drive(HYDRODYNAMICS, {"link_name": values["link_name"], "fluid_added_mass": added.ravel().tolist()})
 
 
 def _renamed(tag: str, written: Collection[str], library: str) -> str:
@@ -143,7 +153,7 @@ def thruster_system(plugin: DrivePlugin) -> GazeboDrive:
         topics={own: ros + name for own, name in names.items()},
         gz_topics={own: gz + name for own, name in names.items()},
         interfaces=((joint, "velocity"),),
-        servos={} if is_direct else {(joint, "velocity"): Servo(gain)},
+        servos={(joint, "velocity"): Servo() if is_direct else Servo(gain)},
         warnings=tuple(warnings),
     )
 

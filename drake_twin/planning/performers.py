@@ -1,0 +1,97 @@
+"""What notices performers and touches, with the topics in ROS."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from drake_twin.dataclass import dataclass
+from drake_twin.description.gazebo_drive import PERFORMER_DETECTOR, PERFORMERS, of_model
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.touches import OwnedTouch, plan_touches
+from drake_twin.planning.world_sensors import ModelPlan
+
+if TYPE_CHECKING:
+    from drake_twin.description.performers import Performer, PerformerDetector
+    from drake_twin.description.world_file import WorldFile
+
+
+@dataclass(frozen=True)
+class OwnedDetector:
+    """A region of a model.
+
+    Attributes:
+        model: The robot or the model of the world.
+        number: Its number among those of its model, from 0.
+        detector: The region.
+        topic: Its topic in ROS.
+    """
+
+    model: str
+    number: int
+    detector: "PerformerDetector"
+    topic: str
+
+
+@dataclass(frozen=True)
+class Detection:
+    """What notices performers and touches.
+
+    Attributes:
+        performers: The performers whose models exist, in the order of the file.
+        detectors: The regions that notice them.
+        touches: What notices touches.
+        findings: The performers whose models do not exist, and why touches are not noticed.
+    """
+
+    performers: "tuple[Performer, ...]" = ()
+    detectors: tuple[OwnedDetector, ...] = ()
+    touches: tuple[OwnedTouch, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+
+def plan_detection(
+    plans: Iterable[RobotPlan],
+    models: Iterable[ModelPlan],
+    world_file: "WorldFile | None",
+    bridged: Mapping[str, str],
+) -> Detection:
+    """Return what notices performers and touches.
+
+    Args:
+        plans: The robots.
+        models: The models of the world that have sensors.
+        world_file: The content of the world file.
+        bridged: Topic in gz → topic in ROS; others have the same name in both.
+    """
+    plans = tuple(plans)
+    plugins = () if world_file is None else world_file.plugins
+    performers: list[Performer] = [
+        item for plugin in plugins if plugin.type == PERFORMERS for item in plugin.parameters
+    ]
+    regions = [(plan.name, item) for plan in plans for item in plan.detectors]
+    regions += [(plugin.model, plugin.parameters) for plugin in plugins if plugin.type == PERFORMER_DETECTOR]
+    touches, about_touches = plan_touches(plans, models, world_file, bridged)
+    names = {plan.name for plan in plans}
+    names |= set() if world_file is None else {model.name for model in world_file.models}
+    bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
+    numbers: dict[str, int] = {}
+    detectors = []
+    for model, detector in regions:
+        number = numbers[model] = numbers.get(model, -1) + 1
+        topic = of_model(detector.topic, model)
+        detectors.append(OwnedDetector(model, number, detector, bridged.get(topic, topic)))
+    return Detection(
+        performers=tuple(item for item in performers if item.model in names),
+        detectors=tuple(detectors),
+        touches=touches,
+        findings=(*_about(performers, names, len(detectors)), *about_touches),
+    )
+
+
+def _about(performers: "Iterable[Performer]", models: set[str], number: int) -> Iterator[Finding]:
+    if not number:
+        return
+    for item in performers:
+        if item.model not in models:
+            what = f"performer {item.name}: there is no model {item.model!r} for detectors to notice"
+            yield Finding.at(Kind.NOT_STARTED, what, item.place)

@@ -1,0 +1,76 @@
+"""The topics in ROS of what tells that a model has touched another one."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from drake_twin.dataclass import dataclass
+from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, of_model
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.world_sensors import ModelPlan
+from drake_twin.sensors.contact import ContactSensor
+
+if TYPE_CHECKING:
+    from drake_twin.description.touches import TouchDetector
+    from drake_twin.description.world_file import WorldFile
+
+
+@dataclass(frozen=True)
+class OwnedTouch:
+    """A detector of touches.
+
+    Attributes:
+        model: The robot or the model of the world that has it.
+        number: Its number among those of its model, from 0.
+        detector: The detector, with its topic in gz.
+        topic: Its topic in ROS.
+    """
+
+    model: str
+    number: int
+    detector: "TouchDetector"
+    topic: str
+
+
+def plan_touches(
+    plans: Iterable[RobotPlan],
+    models: Iterable[ModelPlan],
+    world_file: "WorldFile | None",
+    bridged: Mapping[str, str],
+) -> tuple[tuple[OwnedTouch, ...], tuple[Finding, ...]]:
+    """Return what tells of touches, and why others do not.
+
+    Args:
+        plans: The robots.
+        models: The models of the world that have sensors.
+        world_file: The content of the world file.
+        bridged: Topic in gz → topic in ROS; others have the same name in both.
+    """
+    plans = tuple(plans)
+    plugins = () if world_file is None else world_file.plugins
+    found = [(plan.name, item) for plan in plans for item in plan.touches]
+    found += [(plugin.model, plugin.parameters) for plugin in plugins if plugin.type == TOUCH_PLUGIN]
+    if not found:
+        return (), ()
+    sensing: list[RobotPlan | ModelPlan] = [*plans, *models]
+    feeling = {plan.name for plan in sensing if any(item.kind is ContactSensor for item in plan.sensors)}
+    bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
+    numbers: dict[str, int] = {}
+    detectors = []
+    for model, detector in found:
+        number = numbers[model] = numbers.get(model, -1) + 1
+        gz = of_model(detector.topic, model)
+        topic = bridged.get(f"{gz}/touched", f"{gz}/touched")
+        if model in feeling:
+            detectors.append(OwnedTouch(model, number, replace(detector, topic=gz), topic))
+    names = {plan.name for plan in plans}
+    return tuple(detectors), tuple(_about(found, feeling, names))
+
+
+def _about(found: "Iterable[tuple[str, TouchDetector]]", feeling: set[str], robots: set[str]) -> Iterator[Finding]:
+    for model, detector in found:
+        if model not in feeling:
+            what = f"Gazebo plugin {detector.name}: {model} has no contact sensor to touch with"
+            finding = Finding.at(Kind.NOT_STARTED, what, detector.place)
+            yield replace(finding, robot=model) if model in robots else finding
