@@ -1,6 +1,6 @@
 """The topics in ROS of what publishes messages when it hears one."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger, TriggeredMessage, TriggeredRequest
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.planning.performers import Detection
 
 _STAMPED, _TWIST = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
 _NUMBERS, _NUMBER = "std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float64"
@@ -44,11 +45,17 @@ class OwnedTrigger:
     topics: tuple[str, ...]
 
 
-def is_noticing(plans: Iterable[RobotPlan], world_file: "WorldFile | None") -> bool:
-    """Tell whether performers or touches are noticed, as `drake_twin.planning.performers.plan_detection` plans it."""
+def plan_noticing(
+    plans: Sequence[RobotPlan], models: Sequence[ModelPlan], world_file: "WorldFile | None", bridged: Mapping[str, str]
+) -> "Detection | None":
+    """Return what notices performers and touches, as `drake_twin.planning.performers` plans it; None without any."""
     kinds = {PERFORMERS, PERFORMER_DETECTOR, TOUCH_PLUGIN}
     is_asked = world_file is not None and any(plugin.type in kinds for plugin in world_file.plugins)
-    return is_asked or any(plan.detectors or plan.touches for plan in plans)
+    if not is_asked and not any(plan.detectors or plan.touches for plan in plans):
+        return None
+    from drake_twin.planning.performers import plan_detection
+
+    return plan_detection(plans, models, world_file, bridged)
 
 
 def plan_triggers(

@@ -10,8 +10,7 @@ from pydrake.math import RigidTransform
 from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.overlays.arrows import arrow_poses
 from drake_twin.cockpit.scene import OVERLAYS, Scene
-from drake_twin.diagram.wind import present_wind
-from drake_twin.diagram.world_in_plant import wind_of
+from drake_twin.diagram.world_in_plant import present_wind, wind_of
 from drake_twin.shared_viewer.meshcat_protocol import TransformWriter
 from drake_twin.shared_viewer.shared_scene import place_of_robots
 from drake_twin.twin.twin import Twin
