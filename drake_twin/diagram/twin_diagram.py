@@ -28,11 +28,10 @@ from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.diagram.world_in_plant import wind_of
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
-from drake_twin.planning.performers import Detection, plan_detection
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
-from drake_twin.planning.triggers import OwnedTrigger, about_triggers, plan_triggers
+from drake_twin.planning.triggers import OwnedTrigger, about_triggers, detection_of, plan_triggers
 from drake_twin.planning.world_sensors import ModelPlan, plan_models
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
@@ -44,6 +43,7 @@ from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, Robo
 if TYPE_CHECKING:
     from drake_twin.controllers.world_forces import WorldForces
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.planning.performers import Detection
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class TwinDiagram:
         shapes: The contact of each collision shape.
         detachable_joints: The joints that come and go.
         triggers: What publishes messages when it hears one.
-        detection: What notices performers and touches.
+        detection: What notices performers and touches; None for nothing.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -87,7 +87,7 @@ class TwinDiagram:
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
     triggers: tuple[OwnedTrigger, ...]
-    detection: Detection
+    detection: "Detection | None"
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
     renderer: LazyRenderer
@@ -268,7 +268,7 @@ def _build(
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
-    detection = plan_detection(plans, models, world_file, scenario.world.bridged or {})
+    detection = detection_of(plans, models, world_file, scenario.world.bridged or {})
     types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()
@@ -304,7 +304,7 @@ def _build(
             *parts.findings,
             *about_forces,
             *about_triggers(triggers, *types),
-            *detection.findings,
+            *(() if detection is None else detection.findings),
         ),
     )
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger, TriggeredMessage, TriggeredRequest
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.planning.performers import Detection
 
 _STAMPED, _TWIST = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
 _NUMBERS, _NUMBER = "std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float64"
@@ -118,6 +119,29 @@ def _owned(item: "TriggeredRequest", owner: str, topic: str) -> "TriggeredReques
 
     request = item.request
     return replace(item, request=replace(request, owner=owner, topic=topic)) if isinstance(request, Deploy) else item
+
+
+def detection_of(
+    plans: Iterable[RobotPlan],
+    models: Iterable[ModelPlan],
+    world_file: "WorldFile | None",
+    bridged: Mapping[str, str],
+) -> "Detection | None":
+    """Return what notices performers and touches; None where a world and its robots have no such plugins.
+
+    Args:
+        plans: The robots.
+        models: The models of the world that have sensors.
+        world_file: The content of the world file.
+        bridged: Topic in gz → topic in ROS.
+    """
+    plans = tuple(plans)
+    has_plugins = world_file is not None and bool(world_file.plugins)
+    if not has_plugins and not any(plan.detectors or plan.touches for plan in plans):
+        return None
+    from drake_twin.planning.performers import plan_detection
+
+    return plan_detection(plans, models, world_file, bridged)
 
 
 def about_triggers(

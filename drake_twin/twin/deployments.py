@@ -68,15 +68,14 @@ class Deployments:
         left = (-1 if request.most is None else request.most) - self.count(request)
         self._events[f"{request.topic}/remaining"].put(lambda: {"data": left})
 
-    def fix_due(self, request: Request) -> bool:
-        """Request that the models are fixed that are to be so at the present step; return whether there are some."""
+    def fix_due(self, request: Request) -> None:
+        """Request that the models are fixed that are to be so at the present step."""
         from drake_twin.description.gz_requests import FixModel
 
         due = [entry for entry in self.moving if step_at(entry[0], self._clock.time_step) <= self._clock.step]
         self.moving = [entry for entry in self.moving if entry not in due]
         for _, name in due:
             request(FixModel(name), lambda error: _log.warning("%s", error))
-        return bool(due)
 
     def due_steps(self) -> list[float]:
         """Return the steps at which something is due."""

@@ -53,7 +53,8 @@ class ModelRequests(Group):
             for pose in request.poses:
                 attempt(partial(self._set_pose, entities, pose))
         elif isinstance(request, EnableTouch):
-            self._session.reactions.touches.enable(request)
+            if self._session.reactions.touches is not None:
+                self._session.reactions.touches.enable(request)
         elif isinstance(request, ControlWorld):
             if request.resets:
                 self._session.between_advances(self._reset)
@@ -97,8 +98,9 @@ class ModelRequests(Group):
 
     def _deploy(self, entities: Entities, request: Deploy) -> None:
         """Drop a model, and tell how many are left."""
-        session = self._session
-        count = session.deployments.count(request)
+        session, deployments = self._session, self._session.reactions.deployments
+        assert deployments is not None, "one can be asked for"
+        count = deployments.count(request)
         if request.most is None or count < request.most:
             name = f"{request.name}_{count}"
             if request.may_be_renamed:
@@ -109,8 +111,8 @@ class ModelRequests(Group):
             pose = Pose.of(X_WM @ request.pose.transform())
             file = str(lasting_file(f"{name}.sdf", as_expanded(request.text)))
             unrecorded(entities.spawn, Robot(name, file, xyz=pose.xyz, rpy=pose.rpy))
-            session.deployments.note(request, name)
-        session.deployments.tell(request)
+            deployments.note(request, name)
+        deployments.tell(request)
 
     def _fix(self, name: str) -> None:
         """Fix a model to the world."""

@@ -52,8 +52,9 @@ class PerformerDetectors:
     def use(self, built: TwinDiagram) -> None:
         """Switch to a newly built diagram; what is inside a region stays so if both are still there."""
         detection = built.detection
-        self._halves = {item.model: _halved(item.size) for item in detection.performers}
-        self._detectors = detection.detectors if self._halves else ()
+        performers, detectors = ((), ()) if detection is None else (detection.performers, detection.detectors)
+        self._halves = {item.model: _halved(item.size) for item in performers}
+        self._detectors = detectors if self._halves else ()
         self.is_watching = bool(self._detectors)
         self._inside = {
             (item.model, item.number): [
@@ -63,7 +64,7 @@ class PerformerDetectors:
         }
         names = dict.fromkeys([*self._halves, *(item.model for item in self._detectors)])
         self._frames = {name: model_frame(built, name) for name in names} if self.is_watching else {}
-        topics = dict.fromkeys(item.topic for item in detection.detectors)
+        topics = dict.fromkeys(item.topic for item in detectors)
         types = dict.fromkeys(topics, _STAMPED) | {f"{topic}/header": _HEADER for topic in topics}
         self.endpoints = tuple(
             Endpoint(PUBLISHED, topic, type_, TWIN_NODE, depth=_DEPTH) for topic, type_ in types.items()

@@ -81,8 +81,8 @@ class Session:
         is_advancing: Returns whether an advance is under way, so that the diagram cannot be built.
         parameters: What is set of the controllers' parameters.
         events: The topics that no port of the diagram has.
-        reactions: What the session does by itself between two steps; two of its parts are `triggers` and
-            `deployments`.
+        reactions: What the session does by itself between two steps.
+        triggers: The part of them that publishes messages when it hears one.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -108,7 +108,7 @@ class Session:
         self.alarm = Alarm(owner, scenario.time_step)
         self.events = EventTopics(owner, lambda: self.clock.time)
         self.reactions = Reactions(self.clock, self.events, self.subscriptions)
-        self.triggers, self.deployments = self.reactions.triggers, self.reactions.deployments
+        self.triggers = self.reactions.triggers
         self.triggers.publication = self._publication
         self.parameters = ParameterChanges(self, lambda: self.clock.time)
         TwinLog(self.events[ROSOUT])

@@ -97,14 +97,12 @@ class Stepper:
                     self._inbox.look()
                     if self.paused:
                         break
-                if session.triggers.pending:
-                    session.triggers.apply()
+                if session.reactions.are_pending:
+                    session.reactions.act()
                     if session.events.is_waiting:
                         session.events.deliver()
                     if self.paused or session.alarm.requests:
                         break
-                if session.deployments.moving and session.deployments.fix_due(session.triggers.request):
-                    break
                 if clock.next_time_step is not None and self.change_time_step():
                     target = step_at(end, clock.time_step)
                     continue
@@ -270,10 +268,8 @@ class Stepper:
             session.alarm.due_step,
             *session.commands.due_steps(),
         ]
-        if session.triggers.pending:
-            due += session.triggers.due_steps()
-        if session.deployments.moving:
-            due += session.deployments.due_steps()
+        if session.reactions.are_pending:
+            due += session.reactions.due_steps()
         if session.wrenches.items or session.wrenches.pushes:
             due += session.wrenches.due_steps(clock)
         if (change := clock.change_step()) is not None:

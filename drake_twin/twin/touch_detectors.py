@@ -51,7 +51,8 @@ class TouchDetectors:
     def use(self, built: TwinDiagram) -> None:
         """Switch to a newly built diagram; what is touched stays so."""
         known = self._detectors
-        self._detectors = {(item.model, item.number): item for item in built.detection.touches}
+        touches = () if built.detection is None else built.detection.touches
+        self._detectors = {(item.model, item.number): item for item in touches}
         for key, item in self._detectors.items():
             if key not in known and item.detector.is_enabled:
                 self._looking[key] = None
