@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from os.path import commonpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ from drake_twin.planning.bridged_sensors import misspelt, unpublished
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED
 from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.topics import topics_with_one_owner
+from drake_twin.planning.topics import own_topics, topics_with_one_owner
 from drake_twin.planning.world_sensors import plan_models
 from drake_twin.scenario import Command, Scenario, ScenarioError, StaticTransform
 
@@ -94,7 +95,7 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
     taken: set[str] = set()
     models = RobotModels(launched.packages)
     for hint in launched.robots:
-        plan = _planned(hint, launched, taken, findings, models)
+        plan = _with_own_topics(_planned(hint, launched, taken, findings, models), taken, findings)
         taken |= topics_with_one_owner(plan)
         plans.append(plan)
     if launched.bridges:
@@ -143,6 +144,18 @@ def _planned(
     if hint.on_ground and not plan.model.is_fixed:
         return replace(plan, robot=replace(plan.robot, xyz=(0.0, 0.0, height_on_ground(plan))))
     return plan
+
+
+def _with_own_topics(plan: RobotPlan, taken: set[str], findings: list[Finding]) -> RobotPlan:
+    """Give a robot the topics of Gazebo where another one has its topics, so that each hears its own commands."""
+    own = own_topics(plan, taken)
+    if not own:
+        return plan
+    if not any(topic.startswith(f"/model/{plan.name}/") for topic in plan.robot.remappings):
+        below = commonpath(own.values())
+        what = f"another robot has its topics, and no bridge names its own, which are those of Gazebo: {below}"
+        findings.append(Finding(Kind.WARNING, what, robot=plan.robot.name))
+    return replace(plan, robot=replace(plan.robot, remappings={**plan.robot.remappings, **own}))
 
 
 def _without_missing_controllers(plan: RobotPlan, hint: RobotHint, findings: list[Finding]) -> RobotPlan:

@@ -371,10 +371,10 @@ class _ReadWorld(NamedTuple):
             )
             for model, robot in driven
         )
-        is_usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP
+        step = step if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP else None
         absent = tuple(item for item in found.findings if "not found" in item.what or "not included" in item.what)
         names = tuple(model.name for model, _ in driven)
-        return cls(address, names, step if is_usable else None, robots, absent, bool(found.models))
+        return cls(address, names, step, robots, absent, bool(found.models))
 
 
 def _command(topic: str, text: str) -> Command:
@@ -384,8 +384,8 @@ def _command(topic: str, text: str) -> Command:
     try:
         value = load_yaml(text)
         data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
-        if isinstance(value, dict) and isinstance(data, dict | bool | int | float | str):
-            return Command(topic, data if isinstance(data, dict) else value)  # data: 1 is a std_msgs/msg/Float64
+        if isinstance(value, dict) and not isinstance(data, list):
+            return Command(topic, value)
         if not isinstance(data, list) or any(isinstance(item, bool) for item in data):
             raise TypeError
         return Command(topic, tuple(float(item) for item in data))

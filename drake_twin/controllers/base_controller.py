@@ -11,7 +11,7 @@ from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.older_accessors import with_older_accessors
 from drake_twin.dataclass import dataclass
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import RobotDescription, Vector3
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value, or_none
@@ -113,6 +113,15 @@ class Controller(WitnesslessSystem):
     Parameters: ClassVar[type]
     needs_command_interfaces: ClassVar[bool] = True
     flies: ClassVar[bool] = False
+
+    @classmethod
+    def surfaces(cls, parameters: Any) -> Mapping[str, Vector3]:
+        """Return each link whose surface a controller with these parameters moves, and the axis in its frame.
+
+        It then has an output port ``surface_speeds``, a vector: the speed of the surface of each of these links, in
+        their order (m/s). A surface moves at speed · (axis × normal), with the normal out of the link.
+        """
+        return {}
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:

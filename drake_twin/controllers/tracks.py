@@ -15,11 +15,11 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, twist_message
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
-from drake_twin.controllers.surface_controller import SurfaceController
 from drake_twin.controllers.track_parameters import TracksParameters
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import TRACKS
-from drake_twin.description.robot_description import Vector3
+from drake_twin.description.robot_description import RobotDescription, Vector3
+from drake_twin.description.surface_velocity import NEEDS, has_surface_velocity
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
 from drake_twin.systems.no_message import empty_value, set_value
@@ -86,7 +86,7 @@ class TracksMemory(DriveMemory):
 
 
 @controller(TRACKS)
-class Tracks(SurfaceController, DriveController):
+class Tracks(DriveController):
     """Move the surfaces of belts and tracks, and with those on its two sides a vehicle.
 
     Behaves as gz-sim's TrackController and TrackedVehicle (from their sources), but for the direction of friction: it
@@ -128,6 +128,14 @@ class Tracks(SurfaceController, DriveController):
     def surfaces(cls, parameters: TracksParameters) -> Mapping[str, Vector3]:
         """Return the link of each track and the axis that its surface turns about."""
         return {track.link: _vector(track.axis) for track in parameters.tracks.values()}
+
+    @classmethod
+    def problem(cls, parameters: TracksParameters, description: RobotDescription) -> str | None:
+        """Return why surfaces cannot move; None if they can."""
+        missing = next((link for link in cls.surfaces(parameters) if link not in description.links), None)
+        if missing is not None:
+            return f"the robot has no link {missing!r}"
+        return None if has_surface_velocity() else NEEDS
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)

@@ -7,14 +7,13 @@ from lxml import etree
 
 from drake_twin.description.gazebo_plugins import PluginReader
 from drake_twin.description.robot_description import GazeboPlugin, Pose
+from drake_twin.description.used_elements import ADDED_MASS_TAGS
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.values import parse_number
 
 IMPLIED = "fluid-added-mass"  # a plugin that stands in no file: what an element of a link asks for
 
-_AXES = "xyzpqr"
-# The entries of the matrix that SDF names, by row and column.
-ADDED_MASS_ENTRIES = {row + column: (i, j) for i, row in enumerate(_AXES) for j, column in enumerate(_AXES[i:], i)}
+_ENTRIES = {tag: ("xyzpqr".index(tag[0]), "xyzpqr".index(tag[1])) for tag in ADDED_MASS_TAGS}
 _POSE = "pose"
 _OF_FLUIDS = ("lighter_than_air_dynamics", "lighter-than-air-dynamics", "hydrodynamics")
 
@@ -46,7 +45,7 @@ def fluid_added_mass(text: str, link: str, plugin: PluginReader) -> np.ndarray |
 def added_mass_of(values: Mapping[str, str], plugin: PluginReader) -> np.ndarray:
     """Return what `fluid_added_mass` does, from the texts of the entries and the ``pose`` of the center of mass."""
     matrix = np.zeros((6, 6))
-    for tag, (i, j) in ADDED_MASS_ENTRIES.items():
+    for tag, (i, j) in _ENTRIES.items():
         matrix[i, j] = matrix[j, i] = _number(values.get(tag) or "0", tag, plugin)
     linear_last = [3, 4, 5, 0, 1, 2]
     matrix = matrix[np.ix_(linear_last, linear_last)]
@@ -79,7 +78,7 @@ def _own(model: etree._Element) -> Iterator[tuple[str, etree._Element]]:
 def _values(element: etree._Element) -> dict[str, str]:
     inertial = element.getparent()
     pose = None if inertial is None else inertial.findtext(_POSE)
-    return {child.tag: child.text or "" for child in element if child.tag in ADDED_MASS_ENTRIES} | {_POSE: pose or ""}
+    return {child.tag: child.text or "" for child in element if child.tag in _ENTRIES} | {_POSE: pose or ""}
 
 
 def _number(text: str, tag: str, plugin: PluginReader) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from lxml import etree
 
+from drake_twin.description.possible_inertia import MOMENTS
 from drake_twin.description.sdf_document import is_within_static, number_in
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.sdf_shapes import FindFile, mesh_scale, sizes_of
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from pydrake.multibody.tree import SpatialInertia
 
 _DENSITY = 1000.0  # kg/m³: SDFormat's, of what gives none
-MOMENTS = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 
 
 def give_auto_inertias(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[str]:
@@ -59,6 +59,7 @@ def give_auto_inertias(model: etree._Element, reader: XmlReader, find: FindFile)
                 total += found
         mass = number_in(inertial.find("mass"))
         if total is None:
+            del inertial.attrib["auto"]
             yield f'link {name}: its inertia is auto="true", and no collision has a volume: it is that of 1 kg'
             continue
         if lacks and mass is None:

@@ -6,8 +6,10 @@ from lxml import etree
 
 from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_plugins import CannotWorkError, PluginReader
+from drake_twin.description.performers import PERFORMER, check_volume
 from drake_twin.description.plugin_element import PluginElement
 from drake_twin.description.robot_description import Pose
+from drake_twin.description.welded_models import weld_to_world
 from drake_twin.values import parse_number
 
 
@@ -53,7 +55,7 @@ def read_breadcrumbs(plugin: PluginReader, number: str) -> Deploy | None:
         InputError: If a value is invalid; with file and line.
     """
     for tag in plugin.plugin.elements:
-        if tag.startswith("breadcrumb/"):
+        if tag.startswith(("breadcrumb/", "performer_volume/geometry/box/")):
             plugin.has(tag)
     plugin.has("topic_statistics")  # which only counts messages
     most = plugin.number("max_deployments", -1)
@@ -74,6 +76,11 @@ def read_breadcrumbs(plugin: PluginReader, number: str) -> Deploy | None:
     text = "" if pose is None else (pose.text or "").strip()
     if pose is not None:
         whole[0].remove(pose)
+    volume = next((item for item in plugin.plugin.tree if item.tag == "performer_volume"), None)
+    if volume is not None:
+        check_volume(plugin, volume)
+        own = etree.SubElement(whole[0], "plugin", name="performer", filename=PERFORMER)
+        own.extend(list(_all_as_xml(volume)))
     return Deploy(
         name=name,
         text=etree.tostring(whole, encoding="unicode"),
@@ -87,15 +94,15 @@ def read_breadcrumbs(plugin: PluginReader, number: str) -> Deploy | None:
 
 
 def fixed_to_the_world(text: str) -> str:
-    """Return a model's SDF with its first link fixed to the world."""
+    """Return a model's SDF with its links fixed to the world.
+
+    Raises:
+        ValueError: If it has no link of its own.
+    """
     root = etree.fromstring(text.encode())
     model = root.find("model")
-    link = None if model is None else model.find("link")
-    if model is None or link is None:
-        raise ValueError("the model has no link of its own")
-    joint = etree.SubElement(model, "joint", name="fixed_to_the_world", type="fixed")
-    etree.SubElement(joint, "parent").text = "world"
-    etree.SubElement(joint, "child").text = link.get("name")
+    assert model is not None, "it is the text of a Deploy"
+    weld_to_world(model)
     return etree.tostring(root, encoding="unicode")
 
 

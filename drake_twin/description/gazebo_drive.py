@@ -30,7 +30,7 @@ from drake_twin.description.robot_description import GazeboPlugin, RobotDescript
 from drake_twin.extensions import Registry
 
 if TYPE_CHECKING:
-    from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.performers import Performer, PerformerDetector
     from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
@@ -64,7 +64,7 @@ THRUSTER = "gz_sim/Thruster"
 ELEVATOR = "gz_sim/Elevator"
 TOUCH_PLUGIN = "gz_sim/TouchPlugin"
 BUOYANCY_ENGINE = "gz_sim/BuoyancyEngine"
-SPACECRAFT_THRUSTERS = "gz_sim/SpacecraftThrusters"
+SPACECRAFT_THRUSTER = "gz_sim/SpacecraftThruster"
 TRAJECTORY_FOLLOWER = "gz_sim/TrajectoryFollower"
 LIGHTER_THAN_AIR = "gz_sim/LighterThanAirDynamics"
 TRACKS = "gz_sim/Tracks"
@@ -119,6 +119,7 @@ class GazeboDrive:
         warnings: What of it changes nothing in the twin.
         unread: Its elements that are ignored.
         triggers: What the twin publishes when it hears messages, beside the controller or without one.
+        performers: The boxes as which its model is a performer, likewise.
         detectors: The regions of its model that notice performers, likewise.
         touches: What tells that its model has touched another one, likewise.
     """
@@ -142,6 +143,7 @@ class GazeboDrive:
     warnings: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     triggers: "tuple[Trigger, ...]" = ()
+    performers: "tuple[Performer, ...]" = ()
     detectors: "tuple[PerformerDetector, ...]" = ()
     touches: "tuple[TouchDetector, ...]" = ()
 

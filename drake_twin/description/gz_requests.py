@@ -12,6 +12,7 @@ from drake_twin.errors import did_you_mean
 from drake_twin.values import is_number
 
 _SERVICE = re.compile(r"/world/([^/]+)/(\w+)")
+_ENABLE = "/enable"
 _MODEL = (0, 2, "NONE", "MODEL")
 
 
@@ -86,12 +87,16 @@ def read_request(service: str, kind: str, text: str) -> tuple[str, GzRequest]:
         text: The request in the text format of Protocol Buffers.
 
     Returns:
-        The world's name, and the request.
+        The world's name, which a TouchPlugin's service has not, and the request.
 
     Raises:
         UnknownRequestError: If the twin has no such service, or it takes another type or other fields.
         ValueError: If the text is not a request of the type.
     """
+    if service.endswith(_ENABLE) and re.split(r"[./]", kind)[-1] == "Boolean":
+        fields = read_fields(text)
+        _check(fields, "Boolean", ("data",))
+        return "", EnableTouch(f"/{service.removesuffix(_ENABLE).strip('/')}", _flag(fields, "data"))
     match = _SERVICE.fullmatch(service)
     if match is None or match[2] not in _SERVICES:
         raise UnknownRequestError(f"the twin has no service {service}")

@@ -9,6 +9,8 @@ from drake_twin.description.plugin_element import PluginElement
 from drake_twin.findings import Place
 from drake_twin.values import parse_number
 
+PERFORMER = "drake_twin_performer"  # the library of the twin's own plugin of a model that is a performer
+
 Vector3 = tuple[float, float, float]
 
 
@@ -69,6 +71,27 @@ def read_performers(plugin: PluginReader) -> tuple[Performer, ...]:
             raise CannotWorkError(f"{found[model].name} and {performer.name} are performers of one model, {model}")
         found[model] = performer
     return tuple(found.values())
+
+
+def read_own_performer(plugin: PluginReader) -> Performer:
+    """Read the twin's own plugin of a model that is a performer, as `drake_twin.description.breadcrumbs` writes it.
+
+    Raises:
+        CannotWorkError: If it has no box.
+        InputError: If a value is invalid; with file and line.
+    """
+    plugin.has("geometry/box/size")
+    return Performer("", "", _box(plugin, PluginElement("plugin", {}, "", plugin.plugin.tree)), plugin.plugin.place)
+
+
+def check_volume(plugin: PluginReader, volume: PluginElement) -> None:
+    """Check the ``<performer_volume>`` of a plugin.
+
+    Raises:
+        CannotWorkError: If it has no box.
+        InputError: If a value is invalid; with file and line.
+    """
+    _box(plugin, volume)
 
 
 def read_performer_detector(plugin: PluginReader) -> PerformerDetector:

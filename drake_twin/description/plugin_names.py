@@ -36,7 +36,8 @@ def misspelt_plugin(plugin: GazeboPlugin) -> str | None:
         classes = [f"{place}::systems::{words}" for place in ("gz::sim", "ignition::gazebo")]
         return _told("class", name, get_close_matches(name, classes, n=1, cutoff=_CLOSE) if "::" in name else [])
     own = class_kind(of_class[1])
-    is_same = own.replace("-", "") == re.sub("[-_]", "", kind) or set(kind.split("-")) <= set(own.split("-"))
+    of_kind, of_own = set(kind.split("-")), set(own.split("-"))
+    is_same = own.replace("-", "") == re.sub("[-_]", "", kind) or of_kind <= of_own or of_own <= of_kind
     is_misspelt = not is_same and get_close_matches(own, [kind], cutoff=_CLOSE)
     return f"Gazebo plugin {name} ({library}): one of the two names is misspelt" if is_misspelt else None
 

@@ -9,6 +9,9 @@ _LEAST_RADIUS = 0.01  # m: of the sphere in place of a missing inertia
 _PHYSICAL_MARGIN = 1e-9  # relative
 _LEAST_MOMENT = 1e-6  # relative to the largest: Drake cannot turn a body without one
 
+# Where the moments of SDF and URDF stand in the tensor.
+MOMENTS = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+
 LEAST_MASS = 1e-3  # kg: of a link that moves and carries nothing
 
 

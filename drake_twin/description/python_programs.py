@@ -27,7 +27,7 @@ class PythonProgram:
         module: The module of a console script; empty for a script.
         function: The module's function that a console script calls.
         folder: The folder on ``sys.path`` in which the module is found.
-        beside: Of a console script the folders of the modules that are installed beside it, which it imports, too.
+        beside: The folders of the modules that are installed beside it, which it imports, too.
     """
 
     file: Path
@@ -54,16 +54,26 @@ def python_programs(package: Path) -> dict[str, PythonProgram]:
         if (program := _of_entry(package, entry)) is not None:
             found.setdefault(executable, replace(program, beside=beside))
     if (package / "CMakeLists.txt").is_file():
-        for place, source in cmake_installs(package, name, "lib"):
-            for file in sorted(source.iterdir()) if source.is_dir() else [source]:
-                executable = f"{place}/{file.name}" if source.is_dir() else place
-                if is_python(file):
-                    found.setdefault(executable.rpartition("/")[2], PythonProgram(file.resolve()))
+        placed = [(place, file.resolve()) for place, file in _placed(package, name) if is_python(file)]
+        for place, file in placed:
+            folder = place.rpartition("/")[0]
+            others = [other.parent for where, other in placed if where.rpartition("/")[0] == folder]
+            program = PythonProgram(file, beside=tuple(dict.fromkeys((file.parent, *others))))
+            found.setdefault(place.rpartition("/")[2], program)
     if package.parent.name == "share":
         for file in sorted((package.parents[1] / "lib" / name).glob("*")):
             if is_python(file):
                 found.setdefault(file.name, PythonProgram(file))
     return found
+
+
+def _placed(package: Path, name: str) -> Iterator[tuple[str, Path]]:
+    """Yield the place of each file that a CMakeLists.txt installs among a package's programs, and the file."""
+    for place, source in cmake_installs(package, name, "lib"):
+        if source.is_dir():
+            yield from ((f"{place}/{file.name}", file) for file in sorted(source.iterdir()))
+        else:
+            yield place, source
 
 
 def is_python(file: Path) -> bool:

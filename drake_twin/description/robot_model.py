@@ -161,6 +161,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.link_wind import windy_links_of_sdf
     from drake_twin.description.sdf import joint_frictions, prepare_sdf, read_robot_sdf
     from drake_twin.description.sdf_document import check_version
+    from drake_twin.description.sdf_mimic import followers
     from drake_twin.description.sdf_values import with_place, wrong_numbers
     from drake_twin.description.sensors import sensors_in_sdf
 
@@ -177,10 +178,12 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     except InputError as error:
         raise with_place(error, reader) from None
     plugins = (*read_plugins(reader, "model/plugin"), *added_mass_plugins(reader, model))
+    mimics = {joint.get("name", ""): mimic for joint, mimic in followers(model)}
     joints = [
         replace(joint, friction=frictions.pop(joint.name)[0]) if joint.is_movable and joint.name in frictions else joint
         for joint in description.joints
     ]
+    joints = [replace(joint, mimic=mimics[joint.name]) if joint.name in mimics else joint for joint in joints]
     unbraked = ((f"friction of joint {name}", place) for name, (_, place) in frictions.items())
     description = replace(
         description,

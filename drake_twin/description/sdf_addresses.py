@@ -90,7 +90,7 @@ class SdfAddresses:
         try:
             return self._packages.resolve(address, base)
         except InputError as error:
-            for folder in self._packages.resource_folders:
+            for folder in (*self._packages.folders, *self._packages.resource_folders):
                 if relative and os.path.exists(folder / rest):
                     return Path(os.path.abspath(folder / rest))
             if missing is not None:

@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
-from drake_twin.description.auto_inertia import MOMENTS, give_auto_inertias
 from drake_twin.description.caster_balls import weld_caster_balls
-from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
+from drake_twin.description.possible_inertia import LEAST_MASS, MOMENTS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sdf_document import free_name, has_weight, is_within_static, number_in, sdf_version
+from drake_twin.description.sdf_mimic import couple
 from drake_twin.description.sdf_nested import join_across_models, rename
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
@@ -55,7 +55,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     Returns:
         What was left out and what was changed, each once.
     """
-    of_inertia = [Finding(Kind.WARNING, what) for what in give_auto_inertias(model, reader, find)]
+    found = [Finding(Kind.WARNING, what) for what in _auto_inertias(model, reader, find)]
     unknown = [
         Finding(Kind.IGNORED, what, weight=weight, cause=Cause.UNREAD) for what, weight in _unknown_elements(model)
     ]
@@ -64,8 +64,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
             for old in axis.findall("use_parent_model_frame"):
                 axis.remove(old)
     hold_by_links(model)
-    found: list[Finding] = []
-    for rule in (_frames_of_old_poses, _names, join_across_models, _joints, _inertias):
+    for rule in (_frames_of_old_poses, _names, join_across_models, _joints, couple, _inertias):
         found += (Finding(Kind.WARNING, what) for what in rule(model))
     found += (Finding(Kind.WARNING, what, weight=weight) for what, weight in mend_shapes(model))
     mend_planes(model)
@@ -78,8 +77,16 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
             parent.remove(nested)
     return [
         replace(finding, what=finding.what + (f" ({count} times)" if count > 1 else ""))
-        for finding, count in Counter((*unknown, *of_inertia, *found)).items()
+        for finding, count in Counter((*unknown, *found)).items()
     ]
+
+
+def _auto_inertias(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[str]:
+    if model.find(".//link/inertial[@auto]") is None:
+        return
+    from drake_twin.description.auto_inertia import give_auto_inertias
+
+    yield from give_auto_inertias(model, reader, find)
 
 
 def hold_by_links(model: etree._Element) -> None:
@@ -231,7 +238,6 @@ def _inertias(model: etree._Element) -> Iterator[str]:
         if is_within_static(link):
             link.remove(inertial)
             continue
-        inertial.attrib.pop("auto", "")
         mass_element = inertial.find("mass")
         mass = 1.0 if mass_element is None else number_in(mass_element)
         inertia = inertial.find("inertia")

@@ -1,5 +1,6 @@
 """Models inside a model of SDF: joints between them, and robots that consist of several."""
 
+import re
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
 
@@ -12,6 +13,7 @@ from drake_twin.findings import Finding, Kind, at_places
 
 _FLAGS = ("self_collide", "enable_wind")  # of a model, for its links
 _REFERENCES = ("relative_to", "attached_to", "expressed_in")
+_NAMES_OF_OTHERS = re.compile(r"(.*_)?(topic|namespace)", re.IGNORECASE)
 
 
 def join_across_models(model: etree._Element) -> Iterator[str]:
@@ -174,16 +176,26 @@ def _place(link: etree._Element, frame: str) -> None:
 
 
 def rename(model: etree._Element, names: Mapping[str, str]) -> None:
-    """Rename a model's own parts, and each reference to one; the texts of plugins are such where they are names."""
+    """Rename a model's own parts, and each reference to one; the texts of plugins are such where they are names.
+
+    The model's own pose is relative to what is around it.
+    """
+    pose = model.find("pose")
     for child in model:
         if child.tag in ("link", "joint", "frame") and child.get("name") in names:
             child.set("name", names[child.get("name", "")])
     for element in model.iter(etree.Element):
-        for attribute in _REFERENCES:
+        others = ("joint",) if element.tag == "mimic" else ()
+        for attribute in (*_REFERENCES, *others) if element is not pose else ():
             if element.get(attribute) in names:
                 element.set(attribute, names[element.get(attribute, "")])
         text = (element.text or "").strip()
-        if text in names and (
-            element.tag in ("parent", "child") or next(element.iterancestors("plugin"), None) is not None
-        ):
+        if text in names and (element.tag in ("parent", "child") or _may_name_a_part(element)):
             element.text = names[text]
+
+
+def _may_name_a_part(element: etree._Element) -> bool:
+    """Tell whether an element of a plugin may name a link, a joint or a model; a topic of that name is none."""
+    if next(element.iterancestors("plugin"), None) is None:
+        return False
+    return _NAMES_OF_OTHERS.fullmatch(str(element.tag)) is None

@@ -75,7 +75,7 @@ def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
     What SDF knows and the twin does not use there has no finding of this kind: `drake_twin.description.sdf_model`
     reports what affects the motion.
     """
-    from drake_twin.description.sdf_document import number_in
+    from drake_twin.description.sdf_document import is_within_static, number_in
     from drake_twin.description.sdf_model import KEPT
 
     for each in model.iter("model"):
@@ -84,6 +84,10 @@ def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
             is_reported = above is not None and above.tag in KEPT and not _is_attribute(thing)
             if not (is_reported or _has_no_effect(element, thing)):
                 yield Finding(Kind.IGNORED, thing + common, weight=weight_of(element), cause=Cause.UNREAD)
+    for element in model.iterfind(".//link/inertial/fluid_added_mass"):
+        if not is_within_static(element):
+            what = "<fluid_added_mass> in <inertial>: only that of robots acts"
+            yield Finding(Kind.IGNORED, what, weight=weight_of(element), cause=Cause.UNREAD)
     for friction in model.iterfind(".//joint//dynamics/friction"):
         if number_in(friction) != 0.0:
             joint = next(friction.iterancestors("joint")).get("name", "")

@@ -6,8 +6,10 @@ from dataclasses import field
 from lxml import etree
 
 from drake_twin.dataclass import dataclass
-from drake_twin.description.added_mass import ADDED_MASS_ENTRIES
 from drake_twin.findings import Weight
+
+# The entries of an added mass that SDF names by row and column: it is symmetric.
+ADDED_MASS_TAGS = tuple(row + column for place, row in enumerate("xyzpqr") for column in "xyzpqr"[place:])
 
 DRAKE = "{http://drake.mit.edu}"  # the namespace of what Drake's parser reads itself
 
@@ -110,6 +112,7 @@ _AXIS = _part(
     xyz=_part("expressed_in"),
     limit=_part(texts="lower upper effort velocity"),
     dynamics=_part(texts="damping friction spring_reference spring_stiffness"),
+    mimic=_part("joint axis", "multiplier reference offset"),
 )
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
@@ -125,7 +128,7 @@ SDF_MODEL = _part(
             "mass density",
             pose=_POSE,
             inertia=_part(texts="ixx ixy ixz iyy iyz izz"),
-            fluid_added_mass=_part(texts=" ".join(ADDED_MASS_ENTRIES)),
+            fluid_added_mass=_part(texts=" ".join(ADDED_MASS_TAGS)),
         ),
         visual=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, material=_part(texts="diffuse ambient emissive")),
         collision=_part("name", "density", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),

@@ -13,7 +13,6 @@ from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PrismaticSprin
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.controllers.registry import controller_class
-from drake_twin.controllers.surface_controller import SurfaceController
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
@@ -224,10 +223,8 @@ def _give_surfaces(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstan
     """Give a robot's links the surfaces that its controllers move."""
     for item in plan.controllers:
         kind = None if item.problem is not None else controller_class(item.type)
-        if kind is not None and issubclass(kind, SurfaceController):
-            for link, axis in kind.surfaces(item.parameters).items():
-                body = plant.GetBodyByName(drake_link_name(link), instance)
-                plant.SetSurfaceVelocityAxis(body, np.array(axis))
+        for link, axis in ({} if kind is None else kind.surfaces(item.parameters)).items():
+            plant.SetSurfaceVelocityAxis(plant.GetBodyByName(drake_link_name(link), instance), np.array(axis))
 
 
 def _is_braked(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex, joint: Joint) -> bool:

@@ -13,7 +13,6 @@ from drake_twin.controllers.body_forces import ForceController, RobotBody
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import COMMANDED_MOTION, TRUE_STATE, PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
-from drake_twin.controllers.surface_controller import SurfaceController
 from drake_twin.dataclass import dataclass
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.diagram.measurement_delay import MeasurementDelay
@@ -69,12 +68,12 @@ class RobotDiagram:
             if isinstance(controller, ForceController)
         ]
 
-    def surfaces(self) -> list[tuple[SurfaceController, OutputPort]]:
+    def surfaces(self) -> list[tuple[Controller, OutputPort]]:
         """Return the controllers that move surfaces, each with the diagram's port that has their speeds."""
         return [
             (controller, self.diagram.GetOutputPort(f"{name}/surface_speeds"))
             for name, controller in self.controllers.items()
-            if isinstance(controller, SurfaceController)
+            if controller.surfaces(controller.setup.parameters)
         ]
 
 
@@ -312,7 +311,7 @@ def _wire_controller(
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, ForceController):
         builder.ExportOutput(controller.GetOutputPort("signals"), f"{name}/signals")
-    if isinstance(controller, SurfaceController):
+    if controller.surfaces(controller.setup.parameters):
         builder.ExportOutput(controller.GetOutputPort("surface_speeds"), f"{name}/surface_speeds")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:

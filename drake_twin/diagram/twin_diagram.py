@@ -25,13 +25,13 @@ from drake_twin.diagram.robot_topics import publish_robot
 from drake_twin.diagram.sensors_of_twin import add_sensors
 from drake_twin.diagram.topics import CLOCK, CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.diagram.visualizer import add_visualizer
-from drake_twin.diagram.wind import add_wind
+from drake_twin.diagram.world_in_plant import add_wind
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, robot_topic
-from drake_twin.planning.triggers import OwnedTrigger, about_triggers, is_noticing, plan_triggers
+from drake_twin.planning.triggers import OwnedTrigger, about_triggers, plan_noticing, plan_triggers
 from drake_twin.planning.world_sensors import ModelPlan, plan_models
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
@@ -266,11 +266,7 @@ def _build(
         about_robots += plan.findings
         about_robots += (Finding(Kind.WARNING, text, robot=plan.name) for text in robots[plan.name].warnings)
     triggers = plan_triggers(plans, models, world_file, scenario.world.bridged or {})
-    detection = None
-    if is_noticing(plans, world_file):
-        from drake_twin.planning.performers import plan_detection
-
-        detection = plan_detection(plans, models, world_file, scenario.world.bridged or {})
+    detection = plan_noticing(plans, models, world_file, scenario.world.bridged or {})
     types = [{item.topic: item.type for item in known.values()} for known in (topics.published, topics.subscribed)]
     tell("building the diagram")
     diagram = builder.Build()

@@ -1,4 +1,4 @@
-"""The world in the plant: gravity, ground, and the static and moving models of an SDF world."""
+"""The world in the plant: gravity, ground, the static and moving models of an SDF world, and beside it its wind."""
 
 from collections import defaultdict
 from collections.abc import Collection
@@ -9,6 +9,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
 from drake_twin.diagram.ball_joints import add_sdf_models
@@ -21,12 +22,18 @@ from drake_twin.diagram.static_world import (
     register_static_shapes,
     static_shapes,
 )
+from drake_twin.diagram.topics import PublishedTopic, Topics
 from drake_twin.errors import InputError
 from drake_twin.findings import Cause, Finding, Kind, Place, about_models
-from drake_twin.scenario import GROUND_FRICTION, Scenario, World
+from drake_twin.scenario import CENIC, GROUND_FRICTION, Scenario, World
 
 if TYPE_CHECKING:
+    from drake_twin.control.wind import Swing
+    from drake_twin.description.plugins.wind import SwingParameters
     from drake_twin.description.world_file import WorldFile, WorldModel
+    from drake_twin.systems.wind import Wind
+
+_WIND = "wind"  # the name of the system and of its noise
 
 _GRAVITY = (0.0, 0.0, -9.81)
 _FRICTION = 1.0
@@ -164,3 +171,64 @@ def remove_actuators(plant: MultibodyPlant, instances: Collection[ModelInstanceI
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() in instances:
             plant.RemoveJointActuator(actuator)
+
+
+def add_wind(
+    builder: DiagramBuilder, scenario: Scenario, world_file: "WorldFile | None", topics: Topics
+) -> "tuple[float, float, float] | Wind":
+    """Return the velocity of the air in the world (m/s), or the system of one that changes, which is added.
+
+    Args:
+        builder: The root diagram's builder.
+        scenario: The scenario.
+        world_file: The content of its world file.
+        topics: Collects the topics.
+    """
+    wanted = wind_of(scenario.world, world_file)
+    if world_file is None or (parameters := world_file.wind_effects) is None:
+        return wanted
+    from drake_twin.control.wind import ChangingWind
+    from drake_twin.systems.wind import Wind
+
+    parts = {"speed": parameters.speed, "direction": parameters.direction, "vertical": parameters.vertical}
+    wind = ChangingWind(**{name: _swing(scenario, name, part) for name, part in parts.items()})
+    step = 0.0 if scenario.engine == CENIC else scenario.time_step
+    system: Wind = builder.AddNamedSystem(f"world/{_WIND}", Wind(wind, wanted, step))
+    topic, port = f"/world/{world_file.name}/wind_info", system.get_wind_info_output_port()
+    topics.publish(PublishedTopic(topic, "geometry_msgs/msg/Vector3", port, 1.0 / scenario.time_step))
+    return system
+
+
+def changing_wind(diagram: Diagram) -> "Wind | None":
+    """Return the system of a wind that changes; None for a steady one."""
+    name = f"world/{_WIND}"
+    if not diagram.HasSubsystemNamed(name):
+        return None
+    from drake_twin.systems.wind import Wind
+
+    system = diagram.GetSubsystemByName(name)
+    assert isinstance(system, Wind)
+    return system
+
+
+def present_wind(diagram: Diagram, root: Context, steady: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return the velocity of the air at the present time (m/s).
+
+    Args:
+        diagram: The root diagram.
+        root: Its context.
+        steady: That of a wind that does not change.
+    """
+    system = changing_wind(diagram)
+    return steady if system is None else system.present(system.GetMyContextFromRoot(root))
+
+
+def _swing(scenario: Scenario, name: str, parameters: "SwingParameters") -> "Swing":
+    from drake_twin.control.wind import Swing
+    from drake_twin.sensors.noise import Noise, NoiseSource
+
+    noise = None
+    if parameters.noise:
+        source = NoiseSource(scenario.seed, "", _WIND, 0.0, scenario.time_step)
+        noise = source.channel(name, Noise(**parameters.noise)).apply
+    return Swing(parameters.rise, parameters.amplitude, parameters.period, noise)

@@ -1,6 +1,7 @@
 """What notices performers and touches, with the topics in ROS."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from drake_twin.dataclass import dataclass
@@ -70,6 +71,7 @@ def plan_detection(
     performers: list[Performer] = [
         item for plugin in plugins if plugin.type == PERFORMERS for item in plugin.parameters
     ]
+    performers += [replace(item, name=plan.name, model=plan.name) for plan in plans for item in plan.performers]
     regions = [(plan.name, item) for plan in plans for item in plan.detectors]
     regions += [(plugin.model, plugin.parameters) for plugin in plugins if plugin.type == PERFORMER_DETECTOR]
     touches, about_touches = plan_touches(plans, models, world_file, bridged)

@@ -66,6 +66,7 @@ def plan_robot(
         frame_prefix=prefix,
         findings=Findings(replace(item, robot=robot.name, file=item.file or str(file)) for item in findings),
         triggers=tuple(trigger for item in plugins for trigger in item.triggers),
+        performers=tuple(performer for item in plugins for performer in item.performers),
         detectors=tuple(detector for item in plugins for detector in item.detectors),
         touches=tuple(touch for item in plugins for touch in item.touches),
     )

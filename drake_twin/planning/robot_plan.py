@@ -15,7 +15,7 @@ from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import Robot, ScenarioError
 
 if TYPE_CHECKING:
-    from drake_twin.description.performers import PerformerDetector
+    from drake_twin.description.performers import Performer, PerformerDetector
     from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger
 
@@ -34,6 +34,7 @@ class RobotPlan:
         frame_prefix: The prefix of its link names in tf messages.
         findings: The findings of its files: entries that were not used as they are.
         triggers: What publishes messages when it hears one, with topics of gz.
+        performers: What it is a performer as.
         detectors: What notices performers, likewise.
         touches: What tells of touches, likewise.
     """
@@ -47,6 +48,7 @@ class RobotPlan:
     frame_prefix: str
     findings: Findings
     triggers: "tuple[Trigger, ...]" = ()
+    performers: "tuple[Performer, ...]" = ()
     detectors: "tuple[PerformerDetector, ...]" = ()
     touches: "tuple[TouchDetector, ...]" = ()
 

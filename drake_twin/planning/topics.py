@@ -1,5 +1,7 @@
 """The names of a robot's topics: below its namespace, with its parameters, plugins and remappings applied."""
 
+from collections.abc import Collection
+
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.gazebo_drive import of_model
@@ -52,3 +54,26 @@ def topics_with_one_owner(plan: RobotPlan) -> set[str]:
                 name if name.startswith("/") else f"{namespace}/{name}" for name in item.wiring.topics.values() if name
             ]
     return {robot.remapped(name) for name in names}
+
+
+def own_topics(plan: RobotPlan, taken: Collection[str]) -> dict[str, str]:
+    """Return remappings that keep a robot's topics apart from those of others where no bridge names them.
+
+    Args:
+        plan: The robot.
+        taken: The topics of other robots.
+
+    Returns:
+        Its topic → the name that Gazebo has for it, of the plugins whose topic another robot has in ROS alone.
+    """
+    found = {}
+    for item in plan.controllers:
+        if item.wiring is None:
+            continue
+        for own in item.wiring.topics:
+            in_gazebo = "/" + of_model(item.wiring.gz_topics.get(own, ""), plan.name).strip("/")
+            topic = controller_topic(plan, item, own)
+            is_bridged = in_gazebo in plan.robot.remappings
+            if topic in taken and in_gazebo != "/" and not is_bridged and in_gazebo not in (topic, *taken):
+                found[str(topic)] = in_gazebo
+    return found

@@ -9,7 +9,6 @@ from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, of_model
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.world_sensors import ModelPlan
-from drake_twin.sensors.contact import ContactSensor
 
 if TYPE_CHECKING:
     from drake_twin.description.touches import TouchDetector
@@ -53,6 +52,8 @@ def plan_touches(
     found += [(plugin.model, plugin.parameters) for plugin in plugins if plugin.type == TOUCH_PLUGIN]
     if not found:
         return (), ()
+    from drake_twin.sensors.contact import ContactSensor
+
     sensing: list[RobotPlan | ModelPlan] = [*plans, *models]
     feeling = {plan.name for plan in sensing if any(item.kind is ContactSensor for item in plan.sensors)}
     bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}

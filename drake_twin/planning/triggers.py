@@ -1,6 +1,6 @@
 """The topics in ROS of what publishes messages when it hears one."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from drake_twin.description.touches import TouchDetector
     from drake_twin.description.triggers import Trigger, TriggeredMessage, TriggeredRequest
     from drake_twin.description.world_file import WorldFile
+    from drake_twin.planning.performers import Detection
 
 _STAMPED, _TWIST = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
 _NUMBERS, _NUMBER = "std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float64"
@@ -44,11 +45,17 @@ class OwnedTrigger:
     topics: tuple[str, ...]
 
 
-def is_noticing(plans: Iterable[RobotPlan], world_file: "WorldFile | None") -> bool:
-    """Tell whether performers or touches are noticed, as `drake_twin.planning.performers.plan_detection` plans it."""
+def plan_noticing(
+    plans: Sequence[RobotPlan], models: Sequence[ModelPlan], world_file: "WorldFile | None", bridged: Mapping[str, str]
+) -> "Detection | None":
+    """Return what notices performers and touches, as `drake_twin.planning.performers` plans it; None without any."""
     kinds = {PERFORMERS, PERFORMER_DETECTOR, TOUCH_PLUGIN}
     is_asked = world_file is not None and any(plugin.type in kinds for plugin in world_file.plugins)
-    return is_asked or any(plan.detectors or plan.touches for plan in plans)
+    if not is_asked and not any(plan.detectors or plan.touches for plan in plans):
+        return None
+    from drake_twin.planning.performers import plan_detection
+
+    return plan_detection(plans, models, world_file, bridged)
 
 
 def plan_triggers(
@@ -78,6 +85,8 @@ def plan_triggers(
         owned += [(plan.name, number, trigger) for number, trigger in enumerate(of_plan)]
     if not owned:
         return ()
+    touches += [(item, plan.name) for plan in plans for item in plan.touches]
+    spaces = {of_model(detector.topic, model) for detector, model in touches}
     worlds = set() if world_file is None else {world_file.name, *_stem(world_file)}
     known = [*_of_drives(plans), *_of_sensors(plans), *_of_sensors(models)]
     bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
@@ -91,7 +100,7 @@ def plan_triggers(
         told = (
             replace(item, topic=topic) for item in trigger.messages for topic in in_ros(of_model(item.topic, owner))
         )
-        requests = tuple(_owned(_checked(item, worlds), owner, heard[0]) for item in trigger.requests)
+        requests = tuple(_owned(_checked(item, worlds, spaces), owner, heard[0]) for item in trigger.requests)
         trigger = replace(trigger, topic=heard[0], messages=tuple(told), requests=requests)
         return OwnedTrigger(owner, number, trigger, heard)
 
@@ -112,8 +121,12 @@ def _stem(world_file: "WorldFile") -> Iterator[str]:
         yield world_file.file.name.partition(".")[0]
 
 
-def _checked(item: "TriggeredRequest", worlds: set[str]) -> "TriggeredRequest":
-    """Return a request, without what it asks for where its world is not that of the twin."""
+def _checked(item: "TriggeredRequest", worlds: set[str], spaces: set[str]) -> "TriggeredRequest":
+    """Return a request, without what it asks for where its world or its TouchPlugin is not in the twin."""
+    from drake_twin.description.touches import EnableTouch
+
+    if isinstance(item.request, EnableTouch) and item.request.topic not in spaces:
+        return replace(item, request=None, problem=f"the twin has no service {item.service}")
     if not (item.request and item.world and worlds) or item.world in worlds:
         return item
     return replace(item, request=None, problem=f"{item.service}: the world is not called {item.world!r}")

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 from pydrake.math import RigidTransform
 
 from drake_twin import messages
@@ -48,11 +47,11 @@ class PerformerDetectors:
         self._detectors: tuple[OwnedDetector, ...] = ()
         self._inside: dict[tuple[str, int], list[str]] = {}
         self._frames: dict[str, ModelFrame] = {}
-        self._halves: dict[str, np.ndarray] = {}
+        self._halves: dict[str, tuple[float, float, float]] = {}
 
     def use(self, built: TwinDiagram, detection: Detection) -> None:
         """Switch to a newly built diagram; what is inside a region stays so if both are still there."""
-        self._halves = {item.model: np.array(item.size) / 2 for item in detection.performers}
+        self._halves = {item.model: _halved(item.size) for item in detection.performers}
         self._detectors = detection.detectors if self._halves else ()
         self.is_watching = bool(self._detectors)
         self._inside = {
@@ -73,12 +72,19 @@ class PerformerDetectors:
         """Publish who has entered or left a region in the step that has ended."""
         context = physics.plant_context
         poses = {name: frame.pose(context) for name, frame in self._frames.items()}
+        places = {name: poses[name].translation().tolist() for name in self._halves}
         for item in self._detectors:
             X_WM, inside = poses[item.model], self._inside[item.model, item.number]
-            middle, half = X_WM @ np.array(item.detector.offset), np.array(item.detector.size) / 2
-            for name, own in self._halves.items():
+            x, y, z = (X_WM @ item.detector.offset).tolist()
+            width, depth, height = item.detector.size
+            for name, (own_x, own_y, own_z) in self._halves.items():
                 # Boxes along the axes of the world, also where the models are turned, and their edges are part of them.
-                is_inside = bool(np.all(np.abs(poses[name].translation() - middle) <= half + own))
+                at_x, at_y, at_z = places[name]
+                is_inside = (
+                    abs(at_x - x) <= width / 2 + own_x
+                    and abs(at_y - y) <= depth / 2 + own_y
+                    and abs(at_z - z) <= height / 2 + own_z
+                )
                 if is_inside != (name in inside):
                     (inside.append if is_inside else inside.remove)(name)
                     self._tell(item, name, is_inside, len(inside), X_WM.inverse() @ poses[name])
@@ -116,3 +122,8 @@ class PerformerDetectors:
         self._events[f"{item.topic}/header"].put(lambda: {"name": name, "values": values})
         data = [(key, (value,)) for key, value in entries]  # which gz's message has, and ROS's has not
         self._hear(item.topic, SimpleNamespace(**vars(make(_POSE, pose)), name=name, header=SimpleNamespace(data=data)))
+
+
+def _halved(size: tuple[float, float, float]) -> tuple[float, float, float]:
+    x, y, z = size
+    return x / 2, y / 2, z / 2

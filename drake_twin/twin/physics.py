@@ -23,7 +23,7 @@ from drake_twin.diagram.gyroscopic_moments import follow_inertias
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
-from drake_twin.diagram.wind import changing_wind
+from drake_twin.diagram.world_in_plant import changing_wind
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario

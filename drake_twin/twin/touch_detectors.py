@@ -4,21 +4,23 @@ While one of them looks, contacts are read after each step, in the thread that a
 for the next step in any case.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from drake_twin.description.touches import EnableTouch
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages.interface_types import make
 from drake_twin.planning.performers import Detection
 from drake_twin.planning.touches import OwnedTouch
-from drake_twin.sensors.contact import ContactSensor
 from drake_twin.sensors.sensor_host import SensorHost, sensor_hosts
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
 from drake_twin.twin.event_topics import EventTopics
 from drake_twin.twin.physics import Physics
+
+if TYPE_CHECKING:
+    from drake_twin.description.touches import EnableTouch
+    from drake_twin.sensors.contact import ContactSensor
 
 _FLAG = "std_msgs/msg/Bool"
 _DEPTH = 10
@@ -55,16 +57,11 @@ class TouchDetectors:
             if key not in known and item.detector.is_enabled:
                 self._looking[key] = None
         self._look_with({key: since for key, since in self._looking.items() if key in self._detectors})
-        self._sensors = {key: [] for key in self._detectors}
-        for host in sensor_hosts(built.diagram) if self._detectors else ():
-            for sensor in host.sensors:
-                for key in self._sensors:
-                    if isinstance(sensor, ContactSensor) and sensor.setup.owner == key[0]:
-                        self._sensors[key].append((host, sensor))
+        self._sensors = _sensors_of(built, self._detectors) if self._detectors else {}
         topics = dict.fromkeys(item.topic for item in self._detectors.values())
         self.endpoints = tuple(Endpoint(PUBLISHED, topic, _FLAG, TWIN_NODE, depth=_DEPTH) for topic in topics)
 
-    def enable(self, request: EnableTouch) -> None:
+    def enable(self, request: "EnableTouch") -> None:
         """Let detectors look from now on, or no longer."""
         looking = dict(self._looking)
         for key, item in self._detectors.items():
@@ -123,3 +120,16 @@ class TouchDetectors:
                 if any(item.detector.is_met(own, other) for own, other in pairs):
                     return True
         return False
+
+
+def _sensors_of(built: TwinDiagram, keys: Iterable[Key]) -> dict[Key, list[tuple[SensorHost, "ContactSensor"]]]:
+    """Return the contact sensors of the model of each detector."""
+    from drake_twin.sensors.contact import ContactSensor
+
+    found: dict[Key, list[tuple[SensorHost, ContactSensor]]] = {key: [] for key in keys}
+    for host in sensor_hosts(built.diagram):
+        for sensor in host.sensors:
+            for key in found:
+                if isinstance(sensor, ContactSensor) and sensor.setup.owner == key[0]:
+                    found[key].append((host, sensor))
+    return found

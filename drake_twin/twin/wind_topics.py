@@ -4,7 +4,7 @@ from math import isfinite
 from typing import Any
 
 from drake_twin import messages
-from drake_twin.diagram.wind import changing_wind
+from drake_twin.diagram.world_in_plant import changing_wind
 from drake_twin.errors import CommandError
 from drake_twin.twin.session import Session
 

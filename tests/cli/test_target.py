@@ -173,6 +173,8 @@ def test_what_is_typed_goes_before_what_the_launch_file_publishes(tmp_path):
     file = publishing(tmp_path, COMMANDS)
     assert target(file).scenario.commands == (Command(COMMANDS, (1, 0, 0, 0), optional=True),)
     assert target(file, "--pub", COMMANDS, "[0, 1, 0, 0]").scenario.commands == (Command(COMMANDS, (0, 1, 0, 0)),)
+    assert target(file, "--pub", COMMANDS, "{data: [0, 1]}").scenario.commands == (Command(COMMANDS, (0, 1)),)
+    assert target(file, "--pub", "/floor", "{data: 2}").scenario.commands[-1] == Command("/floor", {"data": 2})
 
 
 @pytest.mark.parametrize("value", [0.5, 2, True, "a text"])

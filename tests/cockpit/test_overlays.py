@@ -7,11 +7,12 @@ from pydrake.geometry import Box, Ellipsoid
 
 from drake_twin import TwinBuilder
 from drake_twin.cockpit.overlay import OVERLAY_KINDS
-from drake_twin.cockpit.overlays.contact_forces import _arrows, _forces
+from drake_twin.cockpit.overlays.arrows import arrow_poses
+from drake_twin.cockpit.overlays.contact_forces import _forces
 from drake_twin.cockpit.overlays.frames import _in_world, _transforms
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 
-NEED_MORE = ("sensors", "tracks", "goals")  # than a rover that stands has
+NEED_MORE = ("sensors", "tracks", "goals", "fluids")  # than a rover that stands has
 
 
 class Drawn:
@@ -163,14 +164,14 @@ def test_a_frames_axes_point_away_from_its_origin_along_x_y_and_z(twin):
         assert colors.argmax(axis=1).tolist() == [axis, axis]
 
 
-def test_an_arrow_begins_at_the_contact_and_is_as_long_as_the_force():
+def test_an_arrow_begins_at_its_point_and_is_as_long_as_its_vector():
     points = np.array([[1.0, 2, 3], [0, 0, 0], [4, 5, 6]])
-    forces = np.array([[0.0, 0, 20], [30, 0, 0], [-1, 2, -3]])
-    arrows, shafts, heads = _arrows(points, forces).reshape(3, 3, 4, 4)
-    for point, force, arrow, shaft, head in zip(points, forces, arrows, shafts, heads, strict=True):
+    vectors = np.array([[0.0, 0, 0.2], [0.3, 0, 0], [-0.01, 0.02, -0.03]])
+    arrows, shafts, heads = arrow_poses(points, vectors, 0.02).reshape(3, 3, 4, 4)
+    for point, vector, arrow, shaft, head in zip(points, vectors, arrows, shafts, heads, strict=True):
         begin, end = (arrow @ shaft @ [0, 0, z, 1] for z in (-0.5, 0.5))  # of a cylinder of 1 m
         assert begin[:3] == pytest.approx(point)
-        assert end[:3] == pytest.approx(point + force / 100)
+        assert end[:3] == pytest.approx(point + vector)
         assert np.linalg.det(arrow[:3, :3]) == pytest.approx(1.0)
         tip = arrow @ head @ [0, 0, 0, 1]  # where Drake's cones have theirs
-        assert tip[:3] == pytest.approx(point + force / 100 + 0.02 * force / np.linalg.norm(force))
+        assert tip[:3] == pytest.approx(point + vector + 0.02 * vector / np.linalg.norm(vector))

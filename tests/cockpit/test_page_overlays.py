@@ -10,8 +10,12 @@ from in_scene import look_at, place_of, tools
 from robots_to_steer import WHEELS_1
 from show_menu import press
 from test_ghosts import TRAJECTORIES, TRAJECTORY
+from test_water_and_wind import label
+from waters import layers
+from winds import windy_world
 
 from drake_twin import TwinBuilder
+from drake_twin.scenario import World
 
 pytestmark = BROWSER_TESTS
 
@@ -163,3 +167,34 @@ def test_the_ranges_of_joints_are_those_of_the_selected_robot(page):
     it.frames(lambda: tools(tab, "selected.length") > 0)
     it.frames(lambda: visible("robot_2"))
     assert not visible("robot_1")
+
+
+def test_in_a_browser_water_is_over_what_is_below_its_surface_alone(show, tmp_path):
+    """Of rovers that do not float, and whose masts are higher; the water has no shadow, and the wind its speed."""
+    water = layers((0.33, 0.0)).replace("</plugin>", "<enable>nothing</enable></plugin>")
+    file = windy_world(tmp_path, water, "6 2 0", 9.81)
+    it, tab = show(rovers(2, world=World(file=str(file), ground=True)).scenario())
+    it.twin.pause()
+    it.frames(lambda: bool(tools(tab, f"boxOf({list(it.twin.robots)})")))
+    it.for_frames(3)
+    before = picture(tab)
+    tab.keyboard.press("u")
+    it.frames(lambda: abs(place(tab, "overlays/fluids/surfaces/0")["at"][2] - 0.33) < 0.01)
+    it.for_frames(3)
+    after = picture(tab)
+    box = tab.locator("#scene").bounding_box()
+    scale = after.shape[1] / box["width"]
+
+    def change(point):
+        x, y = place_of(tab, point)
+        row, column = round(scale * (y - box["y"])), round(scale * (x - box["x"]))
+        return after[row, column].astype(int) - before[row, column].astype(int)
+
+    roof, ground, far_ground, mast = map(change, [(-0.1, 0, 0.24), (0.5, 1, 0), (-8, 6, 0), (0.21, 0, 0.42)])
+    for red, _, blue in (roof, ground, far_ground):
+        assert blue - red > 30
+    assert ground == pytest.approx(far_ground, abs=15)
+    assert np.abs(mast).max() < 10
+    assert label(it.scene) == "wind 6.3 m/s"
+    tab.keyboard.press("u")
+    it.frames(lambda: not it.scene.has_path("/overlays/fluids"))

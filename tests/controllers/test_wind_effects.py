@@ -156,7 +156,10 @@ def inside(text):
         (effects(climb="soon"), "<vertical/time_for_rise> is 'soon', which is not a number"),
         (effects(swing="<sin><period>0</period></sin>"), "<horizontal/magnitude/sin/period> is 0, and has to be above"),
         (effects(noise=gaussian(-1)), "<horizontal/magnitude/noise/stddev> is -1, and has to be zero or more"),
-        (effects(turn_noise='<noise type="loud"/>'), "<horizontal/direction/noise> has the type 'loud', which is none"),
+        (
+            effects(turn_noise='<noise type="loud"/>'),
+            "<horizontal/direction/noise> has the type 'loud', not one of none",
+        ),
         (effects(-1), "<force_approximation_scaling_factor> has values below zero, and has to be zero or more"),
         (effects("much"), "of <force_approximation_scaling_factor> is 'much', which is not a number"),
         (effects("<px>1 2</px>"), "<px> is '1 2', which is not four numbers, the coefficient of the cube first"),

@@ -1,12 +1,14 @@
 """SDF's automatic inertia beside closed forms, and beside trimesh for meshes."""
 
-from math import pi
+from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
 import trimesh
+from waters import POST
 
 from drake_twin import TwinBuilder
+from drake_twin.scenario import World
 
 
 def weighed(folder, collisions, inertial='<inertial auto="true"/>'):
@@ -128,3 +130,23 @@ def test_what_has_no_volume_is_a_finding(tmp_path):
     assert "its density is -5 kg/m³, and has to be above zero" in negative[0]
     gone = weighed(tmp_path, collision("<mesh><uri>gone.stl</uri></mesh>", density=5))[3]
     assert gone[0].startswith("link l: a collision does not count for its inertia: ")
+
+
+@pytest.mark.parametrize(("name", "part"), [("sphere", 2 / 5), ("cylinder", 1 / 2)])
+def test_things_of_a_world_roll_down_a_slope_as_solids_do(tmp_path, name, part):
+    """a = g sin φ / (1 + I / (m r²))."""
+    size = "<radius>0.3</radius>" + ("<length>0.6</length>" if name == "cylinder" else "")
+    slope = radians(10)
+    thing = f'<link name="l"><inertial auto="true"/>{collision(f"<{name}>{size}</{name}>", density=50)}</link>'
+    hill = f'<link name="g">{collision("<plane/>")}</link>'
+    (tmp_path / "w.sdf").write_text(f"""<sdf version="1.11"><world name="w"><model name="hill"><static>1</static>
+<pose>0 0 0 0 {slope} 0</pose>{hill}</model><model name="m"><pose>0 0 {0.3 / cos(slope)} {pi / 2} 0 0</pose>{thing}
+</model></world></sdf>""")
+    (tmp_path / "post.urdf").write_text(POST)
+    builder = TwinBuilder(world=World(file=str(tmp_path / "w.sdf")))
+    twin = builder.robot("post", tmp_path / "post.urdf", xyz=(50, 0, 0)).build()
+    twin.advance_to(0.2)
+    before = twin.entities.state("m").linear
+    twin.advance_to(1.2)
+    gained = np.linalg.norm(np.subtract(twin.entities.state("m").linear, before))
+    assert gained == pytest.approx(9.8 * sin(slope) / (1 + part), rel=0.01)

@@ -36,6 +36,17 @@ def test_an_include_is_found_by_each_kind_of_address(tmp_path, address):
     assert ([model.name for model in world.models], findings(world)) == (["crate"], ())
 
 
+@pytest.mark.parametrize("address", ["crate", "model://crate", "crate/model.sdf"])
+@pytest.mark.parametrize("given", ["folder", "environment"])
+def test_a_name_alone_is_found_where_models_are_said_to_be(tmp_path, address, given):
+    model_file(tmp_path / "mine", "crate")
+    include = f"<world name='w'><include><uri>{address}</uri></include></world>"
+    file = write(tmp_path / "elsewhere", "w.sdf", include)
+    mine = str(tmp_path / "mine")
+    index = PackageIndex((mine,), {}) if given == "folder" else PackageIndex((), {"GZ_SIM_RESOURCE_PATH": mine})
+    assert [model.name for model in read_world(str(file), index).models] == ["crate"]
+
+
 def test_a_model_finds_models_in_the_models_folder_of_the_package(tmp_path):
     (tmp_path / "package.xml").write_text("<package><name>my_world</name></package>")
     model_file(tmp_path / "models", "crate")

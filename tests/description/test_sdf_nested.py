@@ -5,6 +5,7 @@ import pytest
 from lxml import etree
 from pydrake.math import RigidTransform, RollPitchYaw
 from sdf_worlds import findings, model_file, world_of
+from waters import propelled, thruster
 
 from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
@@ -132,6 +133,32 @@ def test_a_robots_own_includes_are_parts_of_it(tmp_path):
     ).description
     assert description.links == ("base", "left_palm")
     assert description.joints[0].origin.xyz == (0, 0, 3)
+
+
+def test_a_model_inside_may_be_placed_in_the_frame_of_the_model_around_it(tmp_path):
+    """Its pose is in the scope of that: ``__model__`` there is not the model itself."""
+    inner = f"""<model name="{{0}}"><pose relative_to="{{1}}">1 0 0 0 0 0</pose><link name="base">{INERTIAL}</link>
+    </model>
+    <joint name="{{0}}_joint" type="fixed"><parent>base</parent><child>{{0}}::base</child></joint>"""
+    models = inner.format("front", "__model__") + inner.format("further", "front")
+    file = tmp_path / "r.sdf"
+    base = f'<link name="base"><pose>0 2 0 0 0 0</pose>{INERTIAL}</link>'
+    file.write_text(f'<sdf version="1.11"><model name="r">{base}{models}</model></sdf>')
+    plant = TwinBuilder(0.001).robot("r", file, xyz=(0, 0, 3)).build().plant
+    context = plant.CreateDefaultContext()
+    places = [plant.GetBodyByName(name).EvalPoseInWorld(context).translation() for name in ("base", "front_base")]
+    np.testing.assert_allclose(places[1] - places[0], [1, -2, 0], atol=1e-9)
+    further = plant.GetBodyByName("further_base").EvalPoseInWorld(context).translation()
+    np.testing.assert_allclose(further - places[1], [1, 0, 0], atol=1e-9)
+
+
+def test_a_topic_with_the_name_of_a_model_inside_keeps_it(tmp_path):
+    plugin = thruster(topic="left", namespace="left", velocity_control=1)
+    text = propelled((1.0, 0.4, 0.3), plugin).replace('name="auv"', 'name="left"')
+    file = tmp_path / "r.sdf"
+    file.write_text(f'<sdf version="1.11"><model name="r">{text}</model></sdf>')
+    twin = TwinBuilder(0.001).robot("r", file, xyz=(0, 0, 3)).build()
+    assert twin.graph.topics()["/r/left"] == "std_msgs/msg/Float64"
 
 
 def test_what_a_model_inside_a_robot_asks_beyond_its_links_is_told_with_its_line(tmp_path):

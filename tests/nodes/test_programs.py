@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from conftest import ROVER, rovers
+from launch_files import write_package
 from node_runs import COMMANDS, HEAD, lines, running, script
 
 from drake_twin.builder.twin_builder import TwinBuilder
@@ -120,6 +121,26 @@ def test_modules_that_are_installed_beside_a_console_script_are_found(tmp_path, 
         twin.advance_to(0.01)
         assert twin.findings == ()
     assert lines(capsys) == ["HELLO"]
+
+
+def test_scripts_that_cmake_installs_into_one_folder_import_each_other(tmp_path, capsys):
+    """Wherever they are in the source: ``lib/PACKAGE`` has them all, but not what is installed below it or nowhere."""
+    package = write_package(tmp_path, "tools")
+    installs = ["src/say.py", "src/parts/words.py"]
+    text = "".join(f"install(PROGRAMS {file} DESTINATION lib/${{PROJECT_NAME}})\n" for file in installs)
+    text += "install(FILES src/inner/deep.py DESTINATION lib/${PROJECT_NAME}/deeper)\n"
+    script(package, "CMakeLists.txt", f"project(tools)\n{text}")
+    script(package, "src/parts/words.py", "LOUD = 'HELLO'\n")
+    script(package, "src/inner/deep.py", "")
+    script(
+        package,
+        "src/say.py",
+        "import words\nprint(words.LOUD)\ntry:\n    import deep\nexcept ImportError:\n    print('no')\n",
+    )
+    with rovers(1).package_path(tmp_path).node("say.py", package="tools").build() as twin:
+        twin.advance_to(0.01)
+        assert twin.findings == ()
+    assert lines(capsys) == ["HELLO", "no"]
 
 
 def test_the_exit_code_of_a_console_script_counts(tmp_path, capsys):

@@ -190,7 +190,7 @@ def test_a_vehicle_that_is_spawned_beside_another_drives_and_leaves_it_be(tmp_pa
 
 
 def test_a_drake_without_moving_surfaces_lets_it_stand_and_one_finding_says_why(tmp_path, monkeypatch):
-    for module in ("description.plugins.tracks", "controllers.surface_controller", "description.surface_velocity"):
+    for module in ("description.plugins.tracks", "controllers.tracks", "description.surface_velocity"):
         monkeypatch.setattr(f"drake_twin.{module}.has_surface_velocity", lambda: False)
     stands_still(tank_twin(tmp_path))
 

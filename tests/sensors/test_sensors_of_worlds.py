@@ -184,6 +184,25 @@ def test_a_model_that_drake_refuses_has_no_sensors(tmp_path):
 # --- what they measure
 
 
+@pytest.mark.parametrize("static", [True, False])
+def test_a_pose_relative_to_a_frame_that_its_model_lacks_counts_from_its_link(tmp_path, static):
+    """As in gz-sim, whose models do not have a frame of their own name; a finding says so."""
+    pose = "<pose relative_to='post'>0 0 0.5 0 0 0</pose>"
+    twin = twin_in(tmp_path, model(link(f"<pose>0 0 2 0 0 0</pose>{sensor('altimeter', pose)}"), static=static))
+    assert twin.latest("/post/s/altimeter").vertical_reference == pytest.approx(3.5)
+    (text,) = [item.what for item in twin.findings if "unknown frame" in item.what]
+    assert "sensor l/s: its pose is relative to the unknown frame 'post', and counts from its link" in text
+
+
+def test_a_pose_relative_to_a_frame_of_a_model_that_moves_counts_from_that(tmp_path):
+    pose = "<pose relative_to='mount'>0 0 0.5 0 0 0</pose>"
+    mount = "<frame name='mount'><pose>0 0 0.2 0 0 0</pose></frame>"
+    inside = mount + link(f"<pose>0 0 2 0 0 0</pose>{sensor('altimeter', pose)}")
+    twin = twin_in(tmp_path, model(inside, static=False))
+    assert twin.latest("/post/s/altimeter").vertical_reference == pytest.approx(1.7)
+    assert not any("unknown frame" in item.what for item in twin.findings)
+
+
 def test_a_lidar_on_a_static_model_sees_what_stands_before_it(tmp_path):
     wall = '<link name="w"><collision name="c"><geometry><box><size>0.2 9 3</size></box></geometry></collision></link>'
     pose = "<pose relative_to='mount'>0 0 0.5 0 0 0</pose>"

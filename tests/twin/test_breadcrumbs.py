@@ -147,6 +147,17 @@ def test_after_a_reset_what_was_dropped_is_there_and_counts(build):
     assert twin.robots == ("flyer", "stone_0", "stone_1")
 
 
+def test_a_start_without_what_was_dropped_counts_anew(build):
+    twin = build(drops("<max_deployments>1</max_deployments>"))
+    scenario = twin.scenario
+    for _ in range(2):
+        twin.publish(TOPIC, {})
+        twin.advance_to(0.1)
+        assert twin.robots == ("flyer", "stone_0")
+        twin.reset(scenario)
+        assert twin.robots == ("flyer",)
+
+
 def test_a_model_that_is_deleted_before_its_time_is_not_fixed(build):
     twin = build(drops("<disable_physics_time>0.3</disable_physics_time>"))
     twin.publish(TOPIC, {})
@@ -167,6 +178,7 @@ def test_none_are_dropped_where_it_is_disabled(build):
     ("plugin", "why"),
     [
         (drops().replace("breadcrumb>", "crumb>"), "<breadcrumb> is missing"),
+        (drops("<performer_volume/>"), "<geometry> with a <box> is missing"),
         (drops(stone="<light/>"), "<model> is missing in <breadcrumb>"),
         (drops().replace('<model name="stone">', "<model>"), "the <model> of its <breadcrumb> has no name"),
     ],
@@ -178,10 +190,27 @@ def test_what_cannot_work_is_a_finding(build, plugin, why):
     assert finding.lines == (3,)
 
 
-def test_a_volume_for_detectors_is_a_finding(build):
-    volume = "<performer_volume><geometry><box><size>1 1 1</size></box></geometry></performer_volume>"
-    (finding,) = [item for item in build(drops(volume)).findings if "performer_volume" in item.what]
-    assert finding.kind is Kind.IGNORED
+def test_what_is_dropped_as_a_performer_is_noticed(build):
+    """The robot's own region is 1 m about its frame: the dropped volume, 2 m wide, is inside until the robot leaves."""
+    volume = "<performer_volume><geometry><box><size>2 2 2</size></box></geometry></performer_volume>"
+    region = "<geometry><box><size>2 2 2</size></box></geometry><topic>/near</topic>"
+    name = 'filename="gz-sim-performer-detector-system" name="gz::sim::systems::PerformerDetector"'
+    twin = build(drops(volume) + drops("<topic>/other</topic>") + f"<plugin {name}>{region}</plugin>")
+    heard = []
+    twin.subscribe("/near/header", lambda message: heard.append((message.name, message.values[1].value)))
+    twin.advance_to(0.2)
+    twin.publish(TOPIC, {})
+    twin.advance_to(0.3)
+    assert heard == [("stone_0", "1")]
+    snapshot = twin.snapshot()
+    twin.entities.set_state("flyer", position=(9, 9, 60))
+    twin.advance_to(0.4)
+    assert heard[1:] == [("stone_0", "0")]
+    twin.restore(snapshot)
+    twin.publish("/other", {})
+    twin.advance_to(0.4)
+    assert heard[2:] == []
+    assert not [item for item in twin.findings if "performer" in item.what]
 
 
 @pytest.mark.parametrize(
@@ -193,6 +222,7 @@ def test_a_volume_for_detectors_is_a_finding(build):
             "<disable_physics_time> is 'x', which is not a number",
         ),
         (drops("<allow_renaming>perhaps</allow_renaming>"), "<allow_renaming> is 'perhaps', which is neither true nor"),
+        (drops("<performer_volume><geometry><box><size>1</size></box></geometry></performer_volume>"), "<size> is '1'"),
         (drops(pose="1 2"), "<pose> of the <breadcrumb> is '1 2', which is not six finite numbers"),
     ],
 )

@@ -87,6 +87,16 @@ def test_the_pose_is_in_the_frame_of_the_model_that_has_the_region(build):
     assert message.pose.orientation.z == pytest.approx(-sin(0.35))
 
 
+@pytest.mark.parametrize(("x", "y"), [(1, 0), (-1, 0), (0, 1), (0, -1)])
+@pytest.mark.parametrize(("distance", "count"), [(2.95, 2), (3.05, 0)])
+def test_boxes_beside_each_other_meet_at_the_sum_of_their_half_sides(build, x, y, distance, count):
+    """The region's is 2 m, the performer's 1 m."""
+    twin = build(PERFORMERS + gate(pose=f"{5 + x * distance} {y * distance} 4 0 0 0"), time_step=0.01)
+    poses = heard(twin, "/model/gate/performer_detector/status")
+    twin.advance_to(1.4)
+    assert len(poses) == count
+
+
 def test_the_region_is_put_beside_its_model_and_is_not_turned_with_it(build):
     """Its offset is in the model's axes: of a model turned by half a turn, 3 m along y are -3 m in the world.
 

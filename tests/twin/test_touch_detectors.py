@@ -80,6 +80,23 @@ def test_a_message_lets_it_look_again_or_no_longer(build):
     assert times == [pytest.approx(0.8 + 0.2, abs=6e-3)]
 
 
+def test_a_trigger_lets_it_look_by_its_service(build):
+    own = 'filename="gz-sim-triggered-publisher-system" name="gz::sim::systems::TriggeredPublisher"'
+    request = 'reqType="gz.msgs.Boolean" repType="gz.msgs.Empty" timeout="9" reqMsg="data: true"'
+    trigger = (
+        f'<plugin {own}><input type="gz.msgs.Empty" topic="/go"/><service name="/{{}}/enable" {request}/></plugin>'
+    )
+    twin = build(touch("<target>box</target><time>0.1</time><namespace>mine</namespace>"), more=trigger.format("mine"))
+    times = heard(twin, "/mine/touched")
+    twin.advance_to(0.3)
+    twin.publish("/go", {})
+    twin.advance_to(0.5)
+    assert times == [pytest.approx(0.4, abs=6e-3)]
+    twin = build(touch(), more=trigger.format("other"))
+    (finding,) = [item for item in twin.findings if item.kind is Kind.NOT_STARTED]
+    assert finding.what.endswith("it does not call a service: the twin has no service /other/enable")
+
+
 def test_a_break_begins_the_time_again(build):
     twin = build(touch("<target>box</target><time>0.3</time><enabled>true</enabled>"))
     times = heard(twin)

@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.geometry import Cylinder, MeshcatCone, Rgba
 
 from drake_twin.cockpit.overlay import overlay
+from drake_twin.cockpit.overlays.arrows import arrow_poses
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.shared_viewer.meshcat_protocol import TransformWriter
@@ -47,7 +48,8 @@ class ContactForces:
             self._paths = TransformWriter([f"{arrow}{part}" for part in ("", "/shaft", "/head") for arrow in arrows])
         self._made, self._shown = max(count, self._made), count
         if found:
-            self._scene.move(self._paths, _arrows(*(np.array(each) for each in zip(*found, strict=True))))
+            points, forces = (np.array(each) for each in zip(*found, strict=True))
+            self._scene.move(self._paths, arrow_poses(points, forces / _NEWTONS_PER_METER, _HEAD))
 
     def remove(self) -> None:
         """Remove the arrows."""
@@ -71,27 +73,3 @@ def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         is_on_world = inspector.GetFrameId(surface.id_M()) == inspector.world_frame_id()
         if np.linalg.norm(force_on_M) > _LEAST:
             yield surface.centroid(), -force_on_M if is_on_world else force_on_M
-
-
-def _arrows(points: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Return the poses of all arrows in the world, then of their shafts and of their heads, shape (3 n, 4, 4).
-
-    Args:
-        points: Where they begin (m), shape (n, 3).
-        forces: The forces (N), shape (n, 3).
-    """
-    count = len(points)
-    newtons = np.linalg.norm(forces, axis=1)
-    lengths = newtons / _NEWTONS_PER_METER
-    z = forces / newtons[:, None]
-    x = np.cross(np.where(np.abs(z[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]]), z)
-    x /= np.linalg.norm(x, axis=1)[:, None]
-    poses = np.tile(np.eye(4), (3 * count, 1, 1))
-    arrows, shafts, heads = poses[:count], poses[count : 2 * count], poses[2 * count :]
-    arrows[:, :3, :3] = np.stack([x, np.cross(z, x), z], axis=2)
-    arrows[:, :3, 3] = points
-    shafts[:, 2, 2] = np.maximum(lengths, 1e-6)  # of a cylinder of 1 m
-    shafts[:, 2, 3] = lengths / 2
-    heads[:, 1, 1] = heads[:, 2, 2] = -1.0  # Drake's cones stand on their tip
-    heads[:, 2, 3] = lengths + _HEAD
-    return poses

@@ -151,6 +151,7 @@
   const { set_object: setObject } = viewer;
   viewer.set_object = function (path, object, ...more) {
     if (path[0] === "twin" && object.isObject3D) dress(object);
+    if (path[0] === "overlays" && object.isObject3D) object.traverse((part) => (part.castShadow = part.receiveShadow = false));
     return setObject.call(this, path, object, ...more);
   };
 

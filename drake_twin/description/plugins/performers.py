@@ -2,7 +2,7 @@
 
 from drake_twin.description.gazebo_drive import PERFORMER_DETECTOR, PERFORMERS, DrivePlugin, GazeboDrive, gazebo_plugin
 from drake_twin.description.gazebo_plugins import LEVELS, CannotWorkError, PluginReader
-from drake_twin.description.performers import read_performer_detector, read_performers
+from drake_twin.description.performers import PERFORMER, read_own_performer, read_performer_detector, read_performers
 from drake_twin.description.world_plugins import WorldPlugin, world_plugin
 
 _DETECTOR = "gz-sim-performer-detector-system"
@@ -12,6 +12,12 @@ _DETECTOR = "gz-sim-performer-detector-system"
 def performers_of_world(plugin: PluginReader) -> WorldPlugin:
     """Convert the plugin ``gz::sim`` of a world, which marks models as performers."""
     return WorldPlugin(PERFORMERS, read_performers(plugin), exerts_forces=False)
+
+
+@gazebo_plugin(PERFORMER)
+def performer(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert the twin's own plugin of a model that was dropped as a performer."""
+    return GazeboDrive(plugin.plugin, is_part=True, performers=(read_own_performer(plugin),))
 
 
 @gazebo_plugin(_DETECTOR)

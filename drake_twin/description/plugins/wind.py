@@ -139,7 +139,7 @@ def _noise(plugin: PluginReader, path: str) -> dict[str, float]:
     inside = {item.tag: item.text for item in found.inside}
     kind = found.attributes.get("type") or inside.get("type") or "none"
     if kind not in _NOISES:
-        raise plugin.error(f"<{path}> has the type {kind!r}, which is none of {', '.join(_NOISES)}")
+        raise plugin.error(f"<{path}> has the type {kind!r}, not one of {', '.join(_NOISES)}")
     plugin.has(f"{path}/type")
     values = {name: plugin.number(f"{path}/{name}", 0.0) for name in (*_OF_NOISE, "precision")}
     for name in _NOT_NEGATIVE:
