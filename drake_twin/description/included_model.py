@@ -12,6 +12,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_document import sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Place, Weight
 
 _COMMENT_OR_INCLUDE = re.compile(
@@ -51,11 +52,7 @@ def _only_included(include: etree._Element, reader: XmlReader, file: Path, packa
     includes = SdfIncludes(packages)
     found = includes.model(include, reader, (file,))
     if found is None:
-        missing = [
-            f"{name}: searched {each.searched}. {each.advice}" for name, each in includes.addresses.missing.items()
-        ]
-        reasons = missing or [finding.what for finding in includes.findings]
-        raise reader.error(include, f"the model is not included: {'; '.join(reasons)}")
+        raise _not_included(includes, include, reader)
     root = etree.Element("sdf", version=".".join(map(str, found.version)))
     root.append(found.element)
     text = etree.tostring(root, encoding="unicode")
@@ -68,6 +65,8 @@ def _with_included(
     includes, every = SdfIncludes(packages), [*reader.root.iter("include")]
     place = reader.place(every[0])
     brought = includes.expand(model, reader, sdf_version(reader.root), (file,))
+    if includes.addresses.missing and model.find(".//link") is None:  # nothing is left
+        raise _not_included(includes, every[0], reader)
     upcoming = iter(every)
 
     def one_line(match: re.Match[str]) -> str:
@@ -77,6 +76,12 @@ def _with_included(
         return "".join(elements).replace("\n", " ") + "\n" * match[0].count("\n")
 
     return ModelText(_COMMENT_OR_INCLUDE.sub(one_line, text), file, tuple(_lost(includes, place)))
+
+
+def _not_included(includes: SdfIncludes, include: etree._Element, reader: XmlReader) -> InputError:
+    missing = [f"{name}: searched {each.searched}. {each.advice}" for name, each in includes.addresses.missing.items()]
+    reasons = missing or [finding.what for finding in includes.findings]
+    return reader.error(include, f"the model is not included: {'; '.join(reasons)}")
 
 
 def _lost(includes: SdfIncludes, place: Place) -> Iterator[Finding]:

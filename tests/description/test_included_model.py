@@ -66,6 +66,16 @@ def test_a_part_that_is_not_found_is_lost_and_said_with_its_line(tmp_path):
     assert (lost.file, lost.lines) == (str(file), (5,))
 
 
+def test_a_model_that_is_nothing_but_a_missing_one_says_what_is_missing(tmp_path):
+    include = "<include><uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Bird/4</uri></include>"
+    file = write(tmp_path, "bird.sdf", f"<model name='bird'>\n{include}</model>")
+    with pytest.raises(
+        InputError, match=r"the model is not included: OpenRobotics/Bird: searched .*gz fuel"
+    ) as refused:
+        load_robot_model(str(file), PackageIndex((), {}))
+    assert refused.value.line == 4
+
+
 def test_joints_in_a_ring_are_refused_in_a_sentence(tmp_path):
     links = "".join(f'<link name="{name}"><pose>{x} 0 0 0 0 0</pose></link>' for x, name in enumerate("abc"))
     ring = "".join(

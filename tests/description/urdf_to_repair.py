@@ -70,4 +70,9 @@ BROKEN = {
     ),
     "inertia": ('name="r"', link(inside=SOLID.replace('ixx="1"', 'ixx="9"'))),
     "massless_link": ('name="r"', '<link name="base"/>'),
+    "sensor_frame": (
+        'name="r"',
+        link()
+        + '<gazebo reference="base"><sensor name="s"><pose relative_to="gone">0 0 1 0 0 0</pose></sensor></gazebo>',
+    ),
 }

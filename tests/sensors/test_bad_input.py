@@ -232,3 +232,11 @@ def test_no_sensors_are_no_plans():
 
     description = parse_urdf('<robot name="r"><link name="a"/></robot>', None)
     assert plan_sensors(Robot("r", "r.urdf"), description, "") == ((), ())
+
+
+def test_a_pose_that_is_relative_to_an_unknown_frame_is_relative_to_the_link(tmp_path):
+    text = "<update_rate>0</update_rate><pose relative_to='{}'>0 0 0 0 0 0.5</pose>"
+    twin = twin_with(tmp_path, on_box("imu", text.format("gone")))
+    (finding,) = [item for item in twin.findings if item.rule == "sensor_frame"]
+    assert "the sensor's pose is relative to the unknown frame 'gone': it is relative to its link" in finding.what
+    assert not [item for item in twin_with(tmp_path, on_box("imu", text.format("box"))).findings if item.rule]

@@ -6,15 +6,14 @@ from typing import Any, TypeVar
 from drake_twin.nodes import message_classes
 from drake_twin.nodes.graph_items import Publication
 from drake_twin.nodes.graph_lists import count_matched
+from drake_twin.nodes.pace import Pace
 from drake_twin.nodes.rclpy.event_handler import PublisherEventCallbacks
 from drake_twin.nodes.rclpy.handle import Handle
 from drake_twin.nodes.rclpy.node_handle import NodeHandle
 from drake_twin.nodes.rclpy.qos_profiles import DurabilityPolicy, QoSProfile, ReliabilityPolicy, queue_size
-from drake_twin.nodes.task import Task, present_task
+from drake_twin.nodes.task import present_task
 
 MsgType = TypeVar("MsgType")
-
-_NOT_COMPARED = 3  # messages at one simulation time
 
 
 class PublisherHandle(Handle):
@@ -29,6 +28,7 @@ class PublisherHandle(Handle):
     Attributes:
         graph: The graph.
         item: What it has on the graph.
+        pace: What slows loops down.
     """
 
     def __init__(self, node: NodeHandle, msg_type: Any, topic: str, profile: QoSProfile):
@@ -41,7 +41,7 @@ class PublisherHandle(Handle):
         self.item = Publication(topic, kind, node.name, depth, kept, may_lose, profile)
         self.item.is_timed = bool(profile.deadline.nanoseconds or profile.liveliness_lease_duration.nanoseconds)
         self.graph = node.graph
-        self._latest: tuple[int, int, Any] = (-1, 0, None)  # the time (ns), the messages since, the last if compared
+        self.pace = Pace(lambda message: message_classes.from_wire(kind, message_classes.to_wire(message)))
 
     def advertise(self) -> None:
         """Let it be on the graph, until it is destroyed or its program ends."""
@@ -52,19 +52,6 @@ class PublisherHandle(Handle):
     def publish(self, message: Any) -> None:
         """Publish a message."""
         self.graph.publish(self.item, message)
-
-    def pace(self, message: Any, task: Task) -> None:
-        """Let a loop that publishes the same message again and again, without a wait, go on to the next step."""
-        time, count, kept = self._latest
-        if time != task.now:
-            self._latest = task.now, 1, None
-        elif count < _NOT_COMPARED:
-            self._latest = time, count + 1, None
-        elif kept is not None and message == kept:
-            task.count_idle_call()
-        else:
-            copy = message_classes.from_wire(self.item.type, message_classes.to_wire(message))
-            self._latest = time, count, copy
 
 
 class Publisher:
@@ -102,7 +89,7 @@ class Publisher:
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         self._impl.publish(msg)
-        self._impl.pace(msg, task)
+        self._impl.pace.keep(msg, task)
 
     def get_subscription_count(self) -> int:
         present_task()
