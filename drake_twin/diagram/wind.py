@@ -1,5 +1,6 @@
 """The wind of a world: steady, or one that a plugin of the world lets change."""
 
+import re
 from typing import TYPE_CHECKING
 
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
@@ -38,9 +39,15 @@ def add_wind(
     wind = ChangingWind(**{name: _swing(scenario, name, part) for name, part in parts.items()})
     step = 0.0 if scenario.engine == CENIC else scenario.time_step
     system: Wind = builder.AddNamedSystem(f"world/{_NAME}", Wind(wind, wanted, step))
-    topic, port = f"/world/{world_file.name}/wind_info", system.get_wind_info_output_port()
+    topic, port = f"{wind_topic(world_file.name)}_info", system.get_wind_info_output_port()
     topics.publish(PublishedTopic(topic, "geometry_msgs/msg/Vector3", port, 1.0 / scenario.time_step))
     return system
+
+
+def wind_topic(world: str) -> str:
+    """Return the topic of a world's wind, with characters that ROS does not take replaced by ``_``."""
+    name = re.sub(r"[^a-zA-Z0-9_]+", "_", world) or "_"
+    return f"/world/{'_' if name[0].isdigit() else ''}{name}/wind"
 
 
 def changing_wind(diagram: Diagram) -> "Wind | None":
