@@ -1,5 +1,6 @@
 """The world in the plant: gravity, ground, the static and moving models of an SDF world, and beside it its wind."""
 
+import re
 from collections import defaultdict
 from collections.abc import Collection
 from dataclasses import replace
@@ -194,9 +195,15 @@ def add_wind(
     wind = ChangingWind(**{name: _swing(scenario, name, part) for name, part in parts.items()})
     step = 0.0 if scenario.engine == CENIC else scenario.time_step
     system: Wind = builder.AddNamedSystem(f"world/{_WIND}", Wind(wind, wanted, step))
-    topic, port = f"/world/{world_file.name}/wind_info", system.get_wind_info_output_port()
+    topic, port = f"{wind_topic(world_file.name)}_info", system.get_wind_info_output_port()
     topics.publish(PublishedTopic(topic, "geometry_msgs/msg/Vector3", port, 1.0 / scenario.time_step))
     return system
+
+
+def wind_topic(world: str) -> str:
+    """Return the topic of a world's wind, with characters that ROS does not take replaced by ``_``."""
+    name = re.sub(r"[^a-zA-Z0-9_]+", "_", world) or "_"
+    return f"/world/{'_' if name[0].isdigit() else ''}{name}/wind"
 
 
 def changing_wind(diagram: Diagram) -> "Wind | None":

@@ -4,7 +4,7 @@ from math import isfinite
 from typing import Any
 
 from drake_twin import messages
-from drake_twin.diagram.world_in_plant import changing_wind
+from drake_twin.diagram.world_in_plant import changing_wind, wind_topic
 from drake_twin.errors import CommandError
 from drake_twin.twin.session import Session
 
@@ -30,7 +30,7 @@ class WindTopics:
         """Topic → ROS message type."""
         built = self._session.physics.built
         assert built.world_file is not None, "its world has a plugin for it"
-        topic = f"/world/{built.world_file.name}/wind"
+        topic = wind_topic(built.world_file.name)
         types = {topic: _VELOCITY, f"{topic}/enable": _ENABLE}
         return {name: kind for name, kind in types.items() if name not in built.commanded}
 

@@ -9,6 +9,7 @@ from flyers import RHO, flyer, plugin
 from repeated_runs import goes_on_to_the_same_bits
 from winds import GROUND, STEPS, air, blown, body, effects, gaussian, sinusoid, velocity, windy_world
 
+from drake_twin import TwinBuilder
 from drake_twin.errors import CommandError, InputError
 from drake_twin.messages.interface_types import make
 from drake_twin.scenario import Robot, World
@@ -222,3 +223,12 @@ def test_the_engine_with_error_control_has_the_same_wind(tmp_path):
     twin.advance_to(1.0)
     response = 1 - (1.5 * exp(-2) - exp(-3)) / 0.5
     assert velocity(twin) == pytest.approx((4 * response, 0, 0), rel=0.01, abs=1e-6)
+
+
+@pytest.mark.parametrize(("name", "valid"), [("my world", "my_world"), ("3rd", "_3rd"), ("", "_")])
+def test_the_topics_of_a_world_have_names_that_ros_takes(tmp_path, name, valid):
+    file = windy_world(tmp_path, effects(2.0) + body("b"))
+    file.write_text(file.read_text().replace('<world name="w">', f'<world name="{name}">'))
+    twin = TwinBuilder(world=World(file=str(file))).build()
+    topics = [topic for topic in twin.graph.topics() if "wind" in topic]
+    assert topics == [f"/world/{valid}/{topic}" for topic in ("wind_info", "wind", "wind/enable")]
