@@ -26,8 +26,8 @@ class JointControllerParameters(JointGroupParameters):
 class JointController(JointGroupController):
     """Command velocities: one from the start, then those of messages.
 
-    Behaves as gz-sim's JointController with an ``<initial_velocity>``, and otherwise as
-    ``velocity_controllers/JointGroupVelocityController``.
+    Behaves as gz-sim's JointController with an ``<initial_velocity>``, and otherwise as the JointGroupVelocityController
+    of velocity_controllers.
     """
 
     Parameters: ClassVar[type] = JointControllerParameters

@@ -13,7 +13,6 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.python_modules import python_modules, source_of
 from drake_twin.description.setup_expressions import read_setup_cfg, read_setup_py
-from drake_twin.description.setup_py import setup_installs
 from drake_twin.description.share_layout import package_name
 from drake_twin.description.source_file import regular_open
 
@@ -48,8 +47,12 @@ def python_programs(package: Path) -> dict[str, PythonProgram]:
     name = package_name(package)
     found: dict[str, PythonProgram] = {}
     scripts = [*_console_scripts(package)]
-    installed = [file for _, file in setup_installs(package, name, "lib")] if scripts else []
-    beside = tuple(dict.fromkeys(file.parent for file in installed if file.suffix == ".py"))
+    beside: tuple[Path, ...] = ()
+    if scripts:
+        from drake_twin.description.setup_py import setup_installs
+
+        installed = [file for _, file in setup_installs(package, name, "lib")]
+        beside = tuple(dict.fromkeys(file.parent for file in installed if file.suffix == ".py"))
     for executable, entry in scripts:
         if (program := _of_entry(package, entry)) is not None:
             found.setdefault(executable, replace(program, beside=beside))
