@@ -26,7 +26,7 @@ class JointControllerParameters(JointGroupParameters):
 class JointController(JointGroupController):
     """Command velocities: one from the start, then those of messages.
 
-    Behaves as gz-sim's JointController with an ``<initial_velocity>``, and otherwise as the JointGroupVelocityController
+    Behaves as gz-sim's JointController with an ``<initial_velocity>``, and otherwise as JointGroupVelocityController
     of velocity_controllers.
     """
 

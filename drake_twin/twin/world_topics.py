@@ -1,13 +1,14 @@
 """The topics by which messages act on the world itself: its wrenches and its wind."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.twin.endpoints import COMMANDED, TWIN_NODE, Endpoint
 from drake_twin.twin.session import Session
-from drake_twin.twin.wrench_topics import WrenchTopics
 
 if TYPE_CHECKING:
     from drake_twin.twin.wind_topics import WindTopics
+    from drake_twin.twin.wrench_topics import WrenchTopics
 
 
 class WorldTopics:
@@ -18,7 +19,7 @@ class WorldTopics:
     """
 
     def __init__(self, session: Session):
-        self._session, self._wrenches = session, WrenchTopics(session)
+        self._session = session
 
     @property
     def types(self) -> dict[str, str]:
@@ -48,10 +49,13 @@ class WorldTopics:
     def _of(self, topic: str) -> "WrenchTopics | WindTopics":
         return next(part for part in self._parts() if topic in part.types)
 
-    def _parts(self) -> "tuple[WrenchTopics | WindTopics, ...]":
+    def _parts(self) -> "Iterator[WrenchTopics | WindTopics]":
         world_file = self._session.physics.built.world_file
-        if world_file is None or world_file.wind_effects is None:
-            return (self._wrenches,)
-        from drake_twin.twin.wind_topics import WindTopics
+        if world_file is not None and world_file.wrench_systems:
+            from drake_twin.twin.wrench_topics import WrenchTopics
 
-        return self._wrenches, WindTopics(self._session)
+            yield WrenchTopics(self._session)
+        if world_file is not None and world_file.wind_effects is not None:
+            from drake_twin.twin.wind_topics import WindTopics
+
+            yield WindTopics(self._session)
