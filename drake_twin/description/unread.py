@@ -5,7 +5,6 @@ from typing import TypeAlias
 
 from lxml import etree
 
-from drake_twin.description.added_mass import is_used_added_mass
 from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
@@ -140,7 +139,7 @@ def _unread(element: etree._Element, part: Part) -> Iterator[_Unread]:
             yield from _unread_plugin(child)
         elif tag in ("gazebo", "link", "joint") and name == "sensor":
             continue  # `drake_twin.planning.sensor_plan` says what becomes of it
-        elif not asks_for_nothing(child) and not is_used_added_mass(child):
+        elif not asks_for_nothing(child):
             yield child, f"<{name}>", f" in <{tag}>" if tag != "robot" else ""
 
 

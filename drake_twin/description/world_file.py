@@ -14,6 +14,7 @@ from typing import Any
 from lxml import etree
 
 from drake_twin.dataclass import dataclass
+from drake_twin.description.added_mass import added_masses
 from drake_twin.description.built_in_worlds import built_in_world, find_world
 from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
 from drake_twin.description.link_wind import windy_links_of_sdf
@@ -82,6 +83,7 @@ class WorldModel:
         robot: Its own SDF, if one of its plugins drives it: it is a robot that stands in the world's file.
         sensing: It and the models inside it that have sensors; one inside another is called ``OUTER::INNER``.
         windy_links: The links with ``<enable_wind>``; one of a model inside it is called ``INNER::LINK``.
+        added_masses: Link → the added mass of a fluid about it, see `drake_twin.description.added_mass`.
     """
 
     name: str
@@ -93,6 +95,7 @@ class WorldModel:
     robot: RobotText | None = None
     sensing: tuple[RobotDescription, ...] = ()
     windy_links: tuple[str, ...] = ()
+    added_masses: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -331,7 +334,7 @@ class _World:
         if static:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
-        windy = () if static else tuple(windy_links_of_sdf(model))
+        windy, added = ((), {}) if static else (tuple(windy_links_of_sdf(model)), dict(added_masses(model, reader)))
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
         before = (*unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
         for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
@@ -339,7 +342,7 @@ class _World:
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described(), windy)
+        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described(), windy, added)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
         """Yield each model of the world, includes replaced.

@@ -57,6 +57,7 @@ def apply_forces(
         from drake_twin.diagram.world_forces import forces_of_world
 
         of_world = forces_of_world(parts, plans, world_file)
+    added = _added_masses(parts, plans, world_file)
     if builder.IsConnectedOrExported(plant.get_applied_spatial_force_input_port()):
         what = "a system of yours is connected to the plant's port applied_spatial_force"
         if bodies := ", ".join(bodies_that_gain_energy(plant)):
@@ -66,7 +67,7 @@ def apply_forces(
         if of_world:
             yield Finding(Kind.NOT_STARTED, f"{what}: the plugins of the world exert no forces")
         return
-    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers, of_world, wind)
+    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers, of_world, added, wind)
     sources = [source for source in found if source is not None]
     if not sources:
         return
@@ -82,6 +83,19 @@ def apply_forces(
         pushes = heard.get_input_port()
     builder.Connect(none.get_output_port(), pushes)
     builder.Connect(system.get_output_port(), plant.get_applied_spatial_force_input_port())
+
+
+def _added_masses(
+    parts: PlantOfTwin, plans: Sequence[RobotPlan], world_file: "WorldFile | None"
+) -> "Sequence[BodyForces]":
+    """Return the forces of added mass on the links of SDF that have some."""
+    found = {} if world_file is None else {model.name: model.added_masses for model in world_file.models}
+    texts = [plan for plan in plans if "fluid_added_mass" in plan.description.text]
+    if not texts and not any(found.values()):
+        return ()
+    from drake_twin.diagram.added_masses import forces_of_added_masses
+
+    return forces_of_added_masses(parts, texts, found)
 
 
 def follow_masses(diagram: Diagram, plant: MultibodyPlant, root: Context) -> None:
@@ -115,6 +129,7 @@ def _forces_of(
     plant: MultibodyPlant,
     controllers: Sequence[tuple[ForceController, OutputPort]],
     of_world: "Sequence[WorldForces]",
+    added: "Sequence[BodyForces]",
     wind: "tuple[float, float, float] | Wind",
 ) -> OutputPort | None:
     """Add the system that computes the forces of controllers and of the world, and Drake's own that applies them."""
@@ -132,6 +147,7 @@ def _forces_of(
             assert controller.body is not None
             sources.append((controller, controller.body))
         kinds.append((kind(sources), [signals for _, signals in found if signals.size()]))
+    kinds += ((forces, []) for forces in added)
     if not kinds:
         return None
     kinds.sort(key=lambda entry: entry[0].is_last)

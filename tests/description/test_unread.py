@@ -6,14 +6,13 @@ from random import Random
 import pytest
 from conftest import ARM, ROVER
 from ledger import Robot, misspelt_in_silence, used_for_nothing
-from sdf_worlds import world_of
 
 from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.unread import unread_in_urdf
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Kind, Weight
+from drake_twin.findings import Kind
 
 PACKAGES = PackageIndex((), {})
 
@@ -254,12 +253,3 @@ def test_a_value_in_an_attribute_is_read_as_gazebo_reads_it(tmp_path, tag):
     reference = "" if tag == "static" else ' reference="l"'
     text = f'<robot name="r"><link name="l"/><gazebo{reference}><{tag} value="1"/></gazebo></robot>'
     assert unread_in_urdf(XmlReader(text, tmp_path / "r.urdf")) == []
-
-
-def test_added_mass_that_nothing_uses_is_a_finding_in_a_world_too(tmp_path):
-    """It changes how a model accelerates."""
-    inertial = "<inertial><mass>1</mass><fluid_added_mass><xx>3</xx></fluid_added_mass></inertial>"
-    world = world_of(tmp_path, f'<model name="m"><link name="l">{inertial}</link></model>')
-    (finding,) = world.findings
-    assert finding.what == "m: <fluid_added_mass> in <inertial>"
-    assert finding.weight is Weight.MOVES
