@@ -51,6 +51,7 @@ _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
 
 # Elements of a world that are used; and those that are not worth a finding.
 _USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates", "wind"}
+_HOLDS = "detachable-joint-system"
 _OF_SCENE = ("background", "shadows")
 _SILENT = {"atmosphere", "light", "audio"}
 
@@ -169,14 +170,17 @@ def read_world(
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
 
 
-def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
-    """Return a model's own SDF if one of its plugins drives it."""
+def _robot_text(
+    model: etree._Element, version: tuple[int, ...], reader: XmlReader, *, static: bool
+) -> RobotText | None:
+    """Return a model's own SDF if one of its plugins drives it, or, of a static one, holds another model."""
     plugins = model.findall("plugin")
     if not plugins:
         return None
     from drake_twin.description.gazebo_drives import is_drive
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
+    found = [plugin for plugin in found if not static or plugin_kind(plugin) == _HOLDS]
     if not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
         return None
     copy = deepcopy(model)
@@ -204,12 +208,8 @@ class _World:
         poses: Mapping[str, Sequence[float]],
         copies: Mapping[str, str],
     ):
-        self._reader = reader
-        self._without = without
-        self._poses = poses
-        self._copies = copies
-        self._world = world
-        self._version = sdf_version(reader.root)
+        self._without, self._poses, self._copies, self._world = without, poses, copies, world
+        self._reader, self._version = reader, sdf_version(reader.root)
         self._includes = SdfIncludes(packages)
         self._findings: list[Finding] = []
         self._of_static: list[WorldPlugin | Finding] = []
@@ -330,8 +330,8 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = pose.text
         falling = falls(model)
-        robot = None if static else _robot_text(model, version, reader)
-        if static:
+        robot = _robot_text(model, version, reader, static=static)
+        if static and robot is None:
             self._of_static += take_triggers(reader, model)
         documents = self._includes.documents
         windy, added = ((), {}) if static else (tuple(windy_links_of_sdf(model)), dict(added_masses(model, reader)))
