@@ -177,3 +177,19 @@ def test_sdfs_added_mass_that_is_no_number_is_refused_with_file_and_line(tmp_pat
         twin_of(tmp_path, "", 0.01, {"buoy": (floating("\n<yy>much</yy>"), (0, 0, 0))})
     assert str(refusal.value).startswith(f"{tmp_path / 'buoy.sdf'}:1: ")
     assert "<yy> of the link's added mass is 'much'" in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("elements", "is_said"),
+    [
+        ({"xDotU": -5, "yDotV": -126, "zDotW": -126}, True),
+        ({"xDotU": -5, "yDotV": -126, "disable_coriolis": 1}, False),
+        ({"xDotU": -5, "yDotV": -5, "zDotW": -3}, False),
+    ],
+)
+def test_a_hull_that_its_added_mass_turns_across_is_a_finding(tmp_path, elements, is_said):
+    found = [item for item in vehicle(tmp_path, hydrodynamics(**elements)).findings if "Coriolis" in item.what]
+    assert len(found) == is_said
+    if is_said:
+        assert "<yDotV> of -126 is more than <xDotU>: its Coriolis forces turn a hull" in found[0].what
+        assert found[0].lines

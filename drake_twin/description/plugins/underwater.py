@@ -1,6 +1,6 @@
 """The systems of gz-sim for vehicles in water and airships, as controllers that exert forces."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from drake_twin.description.added_mass import IMPLIED, added_mass_of, fluid_added_mass
@@ -49,6 +49,7 @@ def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
         warnings=(
             *(_wrong_way(tag, value) for tag, value in coefficients.items() if value > 0.0 and _brakes(tag)),
             *(_one_way(tag, value) for tag, value in coefficients.items() if value and _is_square(tag)),
+            *(() if parameters["disable_coriolis"] else _turning(coefficients)),
         ),
     )
 
@@ -68,6 +69,15 @@ def _renamed(tag: str, written: Collection[str], library: str) -> str:
     """
     is_of_fortress = "ignition-gazebo" in library and not any("abs" in other for other in written)
     return f"{tag[:-1]}abs{tag[-1]}" if is_of_fortress and _is_square(tag) else tag
+
+
+def _turning(coefficients: Mapping[str, float]) -> Iterator[str]:
+    """Yield the added mass across a hull that turns it away from its course: Munk's moment."""
+    along = -coefficients.get("xDotU", 0.0)
+    tag = max(("yDotV", "zDotW"), key=lambda name: -coefficients.get(name, 0.0))
+    if (across := -coefficients.get(tag, 0.0)) > along:
+        turns = "its Coriolis forces turn a hull without fins across its course, as in water"
+        yield f"<{tag}> of {-across:g} is more than <xDotU>: {turns}; gz-sim has them with the opposite sign"
 
 
 def _is_square(tag: str) -> bool:
