@@ -513,8 +513,8 @@ MUTANTS = (
         GAINS,
         (
             "gains: inertia times the time constant",
-            "load.inertia / _VELOCITY_TIME_CONSTANT",
-            "load.inertia * _VELOCITY_TIME_CONSTANT",
+            "load.inertia / time_constant,",
+            "load.inertia * time_constant,",
         ),
         ("gains: inertia over T", "load.inertia / T**2", "load.inertia / T"),
         ("gains: stiffness over T", "d=stiffness * T", "d=stiffness / T"),

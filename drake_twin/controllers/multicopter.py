@@ -64,7 +64,7 @@ class VelocityCommand(Frozen):
 
 @controller(MULTICOPTER)
 class Multicopter(ForceController, StatefulController):
-    """Drive the rotors of a multicopter by their speeds, or by a velocity of its body.
+    """Drive the rotors of a multicopter by their speeds, or by a velocity of its body: ``gz_sim/Multicopter``.
 
     Behaves as gz-sim's MulticopterMotorModel for all of its rotors, and as its MulticopterVelocityControl where the
     robot has that (from their sources). The speeds follow commands with the lag of each rotor, at any time; the joints

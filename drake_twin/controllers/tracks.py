@@ -87,7 +87,7 @@ class TracksMemory(DriveMemory):
 
 @controller(TRACKS)
 class Tracks(DriveController):
-    """Move the surfaces of belts and tracks, and with those on its two sides a vehicle.
+    """Move the surfaces of belts and tracks, and with those on its two sides a vehicle: ``gz_sim/Tracks``.
 
     Behaves as gz-sim's TrackController and TrackedVehicle (from their sources), but for the direction of friction: it
     is against the slip, in place of along the circle that the vehicle is to drive on. So a turn is as slow as the slip

@@ -160,11 +160,6 @@ def _add(
         systems[_key(item)] = system
         ports += [SensorPort(item, topic, system.port_name(topic.own), system) for topic in item.topics if topic.topic]
         warnings += [f"sensor {item.place}: {text}" for text in system.warnings]
-        if name := setup.unknown_frame:
-            what = (
-                f"its pose is relative to the unknown frame {name!r}, and counts from its link or joint, as in Gazebo"
-            )
-            warnings.append(f"sensor {item.place}: {what}")
     return systems, tuple(ports), tuple(warnings)
 
 

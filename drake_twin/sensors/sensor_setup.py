@@ -13,6 +13,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Pose, RobotDescription, Sensor
 from drake_twin.description.surroundings import Surroundings
+from drake_twin.errors import InputError
 from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
@@ -79,26 +80,22 @@ class SensorSetup:
     def pose(self) -> RigidTransform:
         """The pose of the sensor S in its `body` B, or in its joint's frame on the child.
 
-        With an unknown frame it is in its link or joint, as gz-sim has it (src/SdfEntityCreator.cc).
+        Raises:
+            InputError: If the file's pose is relative to an unknown frame.
         """
         sensor = self.sensor
         own = sensor.pose.transform()
-        if not sensor.pose_frame or sensor.pose_frame in (sensor.link, sensor.joint) or self.unknown_frame:
+        if not sensor.pose_frame or sensor.pose_frame in (sensor.link, sensor.joint):
             return self.anchors[sensor.link] @ own if self.anchors else own
         if sensor.pose_frame in self.anchors:
             return self.anchors[sensor.pose_frame] @ own
+        if self.anchors or not self.plant.HasFrameNamed(sensor.pose_frame, self.instance):
+            what = f"sensor {sensor.name!r}: its pose is relative to the unknown frame {sensor.pose_frame!r}"
+            raise InputError(what, file=sensor.place.file or None, line=sensor.place.line)
         frame = self.plant.GetFrameByName(sensor.pose_frame, self.instance)
         start = self.plant.CreateDefaultContext()
         base = self.body.body_frame() if sensor.link else self.joint.frame_on_child()
         return self.plant.CalcRelativeTransform(start, base, frame) @ own
-
-    @property
-    def unknown_frame(self) -> str:
-        """The frame that the file's pose is relative to, if its model has none of that name; else empty."""
-        name = self.sensor.pose_frame
-        if name in ("", self.sensor.link, self.sensor.joint, *self.anchors):
-            return ""
-        return "" if not self.anchors and self.plant.HasFrameNamed(name, self.instance) else name
 
     @property
     def start(self) -> RigidTransform:

@@ -30,6 +30,7 @@ class Reactions:
 
     Attributes:
         triggers: What publishes messages when it hears one.
+        are_noticing: Whether there is something that may be looked at after each step.
         detectors: What notices performers.
         deployments: What robots have dropped.
         touches: What tells of touches.
@@ -41,6 +42,7 @@ class Reactions:
         self.detectors: PerformerDetectors | None = None
         self.deployments: Deployments | None = None
         self.touches: TouchDetectors | None = None
+        self.are_noticing = False
 
     @property
     def are_watching(self) -> bool:
@@ -110,6 +112,7 @@ class Reactions:
             from drake_twin.twin.touch_detectors import TouchDetectors
 
             self.touches = TouchDetectors(self._clock, self._events, self.triggers.take)
+        self.are_noticing = self.detectors is not None or self.touches is not None
         if not any(owned.trigger.requests for owned in built.triggers):
             self.deployments = None
         elif self.deployments is None:

@@ -152,7 +152,8 @@ class Stepper:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
                 control.check_joints()
         # CENIC's steps follow from where it is stopped: always at the same places, whatever is subscribed.
-        is_next = target == clock.step + 1 or session.scenario.engine == CENIC or session.reactions.are_watching
+        is_watching = session.reactions.are_noticing and session.reactions.are_watching
+        is_next = target == clock.step + 1 or session.scenario.engine == CENIC or is_watching
         next_step = clock.step + 1 if is_next else self._next_stop(target)
         try:
             noticed = self._advance_simulator(next_step)
@@ -169,7 +170,7 @@ class Stepper:
                 control.follow_commands()
         if session.goals.items:
             session.goals.deliver()
-        if session.reactions.are_watching:
+        if is_watching:
             session.reactions.look(physics)
 
     def _publish_scheduled(self, scheduled: ScheduledCommand) -> None:

@@ -191,7 +191,9 @@ def test_a_pose_relative_to_a_frame_that_its_model_lacks_counts_from_its_link(tm
     twin = twin_in(tmp_path, model(link(f"<pose>0 0 2 0 0 0</pose>{sensor('altimeter', pose)}"), static=static))
     assert twin.latest("/post/s/altimeter").vertical_reference == pytest.approx(3.5)
     (text,) = [item.what for item in twin.findings if "unknown frame" in item.what]
-    assert "sensor l/s: its pose is relative to the unknown frame 'post', and counts from its link" in text
+    assert (
+        "sensor 's': its pose is relative to the unknown frame 'post'; it is taken as relative to the link 'l'" in text
+    )
 
 
 def test_a_pose_relative_to_a_frame_of_a_model_that_moves_counts_from_that(tmp_path):
