@@ -8,6 +8,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import PERFORMER_DETECTOR, PERFORMERS, of_model
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.topics import with_bridges_of
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def plan_detection(
     touches, about_touches = plan_touches(plans, models, world_file, bridged)
     names = {plan.name for plan in plans}
     names |= set() if world_file is None else {model.name for model in world_file.models}
-    bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
+    bridged = with_bridges_of(plans, bridged)
     numbers: dict[str, int] = {}
     detectors = []
     for model, detector in regions:

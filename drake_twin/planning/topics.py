@@ -1,6 +1,6 @@
 """The names of a robot's topics: below its namespace, with its parameters, plugins and remappings applied."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.registry import controller_class
@@ -40,6 +40,11 @@ def controller_topic(plan: RobotPlan, controller: ControllerPlan, own: str) -> s
     if in_gazebo in plan.robot.remappings:  # by a parameter_bridge
         return plan.robot.remapped(in_gazebo)
     return plan.robot.remapped(topic) if topic.startswith("/") else robot_topic(plan, topic)
+
+
+def with_bridges_of(plans: Iterable[RobotPlan], bridged: Mapping[str, str]) -> dict[str, str]:
+    """Return topic in gz → topic in ROS, of the world's bridges and those of robots."""
+    return {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
 
 
 def topics_with_one_owner(plan: RobotPlan) -> set[str]:

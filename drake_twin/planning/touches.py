@@ -8,6 +8,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, of_model
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.topics import with_bridges_of
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def plan_touches(
 
     sensing: list[RobotPlan | ModelPlan] = [*plans, *models]
     feeling = {plan.name for plan in sensing if any(item.kind is ContactSensor for item in plan.sensors)}
-    bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
+    bridged = with_bridges_of(plans, bridged)
     numbers: dict[str, int] = {}
     detectors = []
     for model, detector in found:

@@ -15,7 +15,7 @@ from drake_twin.description.gazebo_drive import (
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import is_same_topic
-from drake_twin.planning.topics import controller_topic
+from drake_twin.planning.topics import controller_topic, with_bridges_of
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def plan_triggers(
     spaces = {of_model(detector.topic, model) for detector, model in touches}
     worlds = set() if world_file is None else {world_file.name, *_stem(world_file)}
     known = [*_of_drives(plans), *_of_sensors(plans), *_of_sensors(models)]
-    bridged = {**bridged, **{gz: ros for plan in plans for gz, ros in plan.robot.remappings.items()}}
+    bridged = with_bridges_of(plans, bridged)
 
     def in_ros(topic: str) -> tuple[str, ...]:
         found = dict.fromkeys(ros for gz, ros in known if is_same_topic(gz, topic))
