@@ -4,39 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from drake_twin.dataclass import dataclass
+from drake_twin.description.elevator_shaft import Shaft
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 
 IDLE, OPENING, WAITING, CLOSING, MOVING = "idle", "opening", "waiting", "closing", "moving"
 
 _AT_DOOR, _AT_FLOOR, _AT_REST = 0.02, 0.15, 0.01  # m or rad, m, per second
-
-
-@dataclass(frozen=True)
-class Shaft:
-    """What does not change of an elevator.
-
-    Attributes:
-        floors: The position of the cabin's joint at each floor (m).
-        doors: The position of each floor's open door (m or rad); closed doors are at zero.
-        wait: How long a door stays open (s).
-    """
-
-    floors: tuple[float, ...]
-    doors: tuple[float, ...]
-    wait: float
-
-    def move(self, floor: int) -> int:
-        """Return the number of the order that moves the cabin to a floor."""
-        return floor
-
-    def open(self, floor: int) -> int:
-        """Return the number of the order that opens a floor's door."""
-        return len(self.floors) + floor
-
-    def close(self, floor: int) -> int:
-        """Return the number of the order that closes a floor's door."""
-        return 2 * len(self.floors) + floor
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """The base of all controllers: what they are built from, their claims and their ports."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import field
 from typing import Any, ClassVar
@@ -113,15 +114,6 @@ class Controller(WitnesslessSystem):
     Parameters: ClassVar[type]
     needs_command_interfaces: ClassVar[bool] = True
     flies: ClassVar[bool] = False
-
-    @classmethod
-    def surfaces(cls, parameters: Any) -> Mapping[str, Vector3]:
-        """Return each link whose surface a controller with these parameters moves, and the axis in its frame.
-
-        It then has an output port ``surface_speeds``, a vector: the speed of the surface of each of these links, in
-        their order (m/s). A surface moves at speed · (axis × normal), with the normal out of the link.
-        """
-        return {}
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
@@ -280,3 +272,16 @@ class Controller(WitnesslessSystem):
         """Declare the port ``command_interfaces``; ``calc(context, output)`` fills a vector."""
         size = len(self.interfaces)
         return self.DeclareVectorOutputPort("command_interfaces", size, weakly(calc), set(prerequisites))
+
+
+class SurfaceController(Controller):
+    """Base class of controllers that move the surfaces of links.
+
+    It has an output port ``surface_speeds``, a vector: the speed of the surface of each link, in their order (m/s). A
+    surface moves at speed · (axis × normal), with the normal out of the link.
+    """
+
+    @classmethod
+    @abstractmethod
+    def surfaces(cls, parameters: Any) -> Mapping[str, Vector3]:
+        """Return the links whose surfaces are moved with these parameters, and the axis of each in its frame."""

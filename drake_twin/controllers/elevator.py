@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
-from drake_twin.control.elevator_states import ElevatorState, Measured, Shaft, asked, updated
+from drake_twin.control.elevator_states import ElevatorState, Measured, asked, updated
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
 from drake_twin.dataclass import dataclass
+from drake_twin.description.elevator_shaft import Shaft
 from drake_twin.description.gazebo_drive import ELEVATOR
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
@@ -119,7 +120,7 @@ class Elevator(PeriodicController):
         """Return a message as a call.
 
         Raises:
-            CommandError: If there is no such floor.
+            CommandError: If no floor has this number.
         """
         if topic != "cmd":
             return ElevatorCall(0, int(message.data))

@@ -28,7 +28,7 @@ class SpacecraftThrusterParameters:
         link_name: The link that is pushed, along its z axis and at its center of mass.
         actuator_number: The number of its command in the messages, from 0.
         max_thrust: The thrust while it is on (N).
-        duty_cycle_frequency: How often it goes on and off (Hz).
+        duty_cycle_frequency: How often it turns on and off (Hz).
     """
 
     link_name: str

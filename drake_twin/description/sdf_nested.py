@@ -195,7 +195,7 @@ def rename(model: etree._Element, names: Mapping[str, str]) -> None:
 
 
 def _may_name_a_part(element: etree._Element) -> bool:
-    """Tell whether an element of a plugin may name a link, a joint or a model; a topic of that name is none."""
+    """Tell whether an element of a plugin may name a link, a joint or a model; not so a topic of that name."""
     if next(element.iterancestors("plugin"), None) is None:
         return False
     return _NAMES_OF_OTHERS.fullmatch(str(element.tag)) is None

@@ -14,7 +14,7 @@ class TouchDetector:
         target: A part of the names of the collision shapes that count.
         time: How long one of them has to be touched without a break (s).
         topic: The namespace of its topics in gz's transport; ``{model}`` stands for the model.
-        collisions: The model's own shapes that count; all that have a contact sensor if there are none.
+        collisions: The model's own shapes that count; without any, all that have a contact sensor.
         is_enabled: Whether it looks from the start on.
         place: Where it was written.
     """

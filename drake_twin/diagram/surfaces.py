@@ -6,7 +6,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 
-from drake_twin.controllers.base_controller import Controller
+from drake_twin.controllers.base_controller import SurfaceController
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.findings import Finding, Kind
 from drake_twin.systems.surface_speeds import SurfaceSpeeds
@@ -15,7 +15,7 @@ from drake_twin.systems.surface_speeds import SurfaceSpeeds
 def move_surfaces(
     builder: DiagramBuilder,
     plant: MultibodyPlant,
-    controllers: Sequence[tuple[ModelInstanceIndex, Controller, OutputPort]],
+    controllers: Sequence[tuple[ModelInstanceIndex, SurfaceController, OutputPort]],
 ) -> Iterator[Finding]:
     """Connect the controllers that move surfaces to the plant.
 

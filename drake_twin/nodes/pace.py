@@ -26,8 +26,8 @@ class Pace:
         """Note that a message has been published; wait for the next step in a loop."""
         now = task.now
         if now != self._time:
-            is_next = now - self._time <= 3 * (task.after - now)  # that is half a step
-            self._is_loop = self._is_loop and is_next
+            # A loop continues at each step; `after` is half of one away.
+            self._is_loop = self._is_loop and now - self._time <= 3 * (task.after - now)
             self._time, self._count, self._last = now, 0, self._copied(message) if self._is_loop else None
         elif self._last is not None and message == self._last:
             self._count += 1

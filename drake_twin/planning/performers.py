@@ -98,5 +98,5 @@ def _about(performers: "Iterable[Performer]", models: set[str], number: int) -> 
         return
     for item in performers:
         if item.model not in models:
-            what = f"performer {item.name}: there is no model {item.model!r} for detectors to notice"
+            what = f"performer {item.name}: no model is called {item.model!r}, so that no detector notices it"
             yield Finding.at(Kind.NOT_STARTED, what, item.place)

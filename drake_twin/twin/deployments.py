@@ -64,7 +64,7 @@ class Deployments:
             self.moving.append((self._clock.time + request.fixed_after, name))
 
     def tell(self, request: "Deploy") -> None:
-        """Publish how many are left: less than none where there is no end to them, as gz-sim counts."""
+        """Publish how many are left: a negative number where they are without end, as gz-sim counts."""
         left = (-1 if request.most is None else request.most) - self.count(request)
         self._events[f"{request.topic}/remaining"].put(lambda: {"data": left})
 

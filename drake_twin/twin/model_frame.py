@@ -35,7 +35,7 @@ def model_frame(built: TwinDiagram, name: str) -> ModelFrame:
     """Return the frame of a robot or of a model of the world.
 
     Raises:
-        InputError: If there is none of the name.
+        InputError: If nothing in the twin is called so.
     """
     plan = next((plan for plan in built.plans if plan.name == name), None)
     if plan is not None:

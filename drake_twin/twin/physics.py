@@ -355,7 +355,9 @@ class Physics:
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
     def _set_wind(self, state: Mapping[str, Any]) -> None:
-        if self._wind is not None and "wind" in state:
+        if "wind" in state:
+            if self._wind is None:
+                raise ValueError("the world's wind does not change")
             self._wind.set_state(self._wind.GetMyMutableContextFromRoot(self.context), from_plain(state["wind"]))
 
     def set_wrenches(self, wrenches: Sequence[Wrench | Pull]) -> None:

@@ -79,7 +79,7 @@ def test_an_overlay_of_others_is_listed_drawn_and_removed(own_parts):
     assert it.state
     listed = it.server.told["robots"]["overlays"]
     first = ["tracks", "starts", "goals", "contacts", "masses", "inertia"]
-    assert [item["name"] for item in listed] == [*first, "collision", "frames", "joints", "sensors", "origin"]
+    assert [item["name"] for item in listed] == [*first, "collision", "frames", "joints", "sensors", "fluids", "origin"]
     assert listed[-1] == {"name": "origin", "label": "Origin of the world", "hint": "A red ball", "key": ""}
     it.ask(protocol.Show("origin", True))
     assert it.cockpit._scene.has_path(f"{OVERLAYS}/origin")

@@ -12,10 +12,10 @@ from drake_twin.control.elevator_states import (
     WAITING,
     ElevatorState,
     Measured,
-    Shaft,
     asked,
     updated,
 )
+from drake_twin.description.elevator_shaft import Shaft
 
 SHAFT = Shaft(floors=(0.0, 3.0, 6.0, 9.0), doors=(0.5, 0.6, 0.7, 0.8), wait=2.0)
 MOVE, OPEN, CLOSE = range(4), range(4, 8), range(8, 12)  # the numbers of orders

@@ -197,7 +197,7 @@ def test_a_performer_that_is_deleted_is_no_longer_inside(build):
             ),
             "falling and p are performers of one model, box",
         ),
-        (PERFORMERS.replace("box</ref>", "cat</ref>") + gate(), "performer falling: there is no model 'cat'"),
+        (PERFORMERS.replace("box</ref>", "cat</ref>") + gate(), "performer falling: no model is called 'cat'"),
     ],
 )
 def test_what_cannot_work_is_a_finding(build, world, why):

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from drake_twin.control.elevator_states import Shaft
 from drake_twin.dataclass import dataclass
+from drake_twin.description.elevator_shaft import Shaft
 from drake_twin.description.gazebo_drive import (
     ELEVATOR,
     CannotWorkError,

@@ -88,7 +88,7 @@ class Publisher:
             msg = message_classes.from_wire(self._impl.item.type, deserialize(self._impl.item.type, msg))
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
-        self._impl.publish(msg)
+        self._impl.graph.publish(self._impl.item, msg)
         self._impl.pace.keep(msg, task)
 
     def get_subscription_count(self) -> int:
