@@ -1,6 +1,5 @@
 """The base of all controllers: what they are built from, their claims and their ports."""
 
-from abc import abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import field
 from typing import Any, ClassVar
@@ -274,14 +273,14 @@ class Controller(WitnesslessSystem):
         return self.DeclareVectorOutputPort("command_interfaces", size, weakly(calc), set(prerequisites))
 
 
-class SurfaceController(Controller):
-    """Base class of controllers that move the surfaces of links.
+class MovesSurfaces:
+    """What controllers have besides that move the surfaces of links.
 
-    It has an output port ``surface_speeds``, a vector: the speed of the surface of each link, in their order (m/s). A
-    surface moves at speed · (axis × normal), with the normal out of the link.
+    They have an output port ``surface_speeds``, a vector: the speed of the surface of each link, in their order (m/s).
+    A surface moves at speed · (axis × normal), with the normal out of the link.
     """
 
     @classmethod
-    @abstractmethod
     def surfaces(cls, parameters: Any) -> Mapping[str, Vector3]:
         """Return the links whose surfaces are moved with these parameters, and the axis of each in its frame."""
+        raise NotImplementedError

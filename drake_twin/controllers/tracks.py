@@ -11,7 +11,7 @@ from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin import messages
 from drake_twin.control.wheel_odometry import WheelOdometry
-from drake_twin.controllers.base_controller import ControllerSetup, SurfaceController
+from drake_twin.controllers.base_controller import ControllerSetup, MovesSurfaces
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, twist_message
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
@@ -86,7 +86,7 @@ class TracksMemory(DriveMemory):
 
 
 @controller(TRACKS)
-class Tracks(DriveController, SurfaceController):
+class Tracks(DriveController, MovesSurfaces):
     """Move the surfaces of belts and tracks, and with those on its two sides a vehicle: ``gz_sim/Tracks``.
 
     Behaves as gz-sim's TrackController and TrackedVehicle (from their sources), but for the direction of friction: it

@@ -12,7 +12,7 @@ from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, Multibody
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.controllers.base_controller import SurfaceController
+from drake_twin.controllers.base_controller import MovesSurfaces
 from drake_twin.controllers.registry import controller_class
 from drake_twin.dataclass import dataclass
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, reason_of, without_literal
@@ -224,7 +224,7 @@ def _give_surfaces(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstan
     """Give a robot's links the surfaces that its controllers move."""
     for item in plan.controllers:
         kind = None if item.problem is not None else controller_class(item.type)
-        if kind is None or not issubclass(kind, SurfaceController):
+        if kind is None or not issubclass(kind, MovesSurfaces):
             continue
         for link, axis in kind.surfaces(item.parameters).items():
             plant.SetSurfaceVelocityAxis(plant.GetBodyByName(drake_link_name(link), instance), np.array(axis))

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import DiscreteTimeDelay
 
-from drake_twin.controllers.base_controller import Controller, ControllerSetup, SurfaceController, Upstream
+from drake_twin.controllers.base_controller import Controller, ControllerSetup, MovesSurfaces, Upstream
 from drake_twin.controllers.body_forces import ForceController, RobotBody
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import COMMANDED_MOTION, TRUE_STATE, PeriodicController
@@ -68,12 +68,16 @@ class RobotDiagram:
             if isinstance(controller, ForceController)
         ]
 
-    def surfaces(self) -> list[tuple[SurfaceController, OutputPort]]:
-        """Return the controllers that move surfaces, each with the diagram's port that has their speeds."""
+    def surfaces(self) -> list[tuple[str, tuple[str, ...], OutputPort]]:
+        """Return the controllers that move surfaces: name, links, and the diagram's port that has their speeds."""
         return [
-            (controller, self.diagram.GetOutputPort(f"{name}/surface_speeds"))
+            (
+                name,
+                tuple(controller.surfaces(controller.setup.parameters)),
+                self.diagram.GetOutputPort(f"{name}/surface_speeds"),
+            )
             for name, controller in self.controllers.items()
-            if isinstance(controller, SurfaceController)
+            if isinstance(controller, MovesSurfaces)
         ]
 
 
@@ -311,7 +315,7 @@ def _wire_controller(
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, ForceController):
         builder.ExportOutput(controller.GetOutputPort("signals"), f"{name}/signals")
-    if isinstance(controller, SurfaceController):
+    if isinstance(controller, MovesSurfaces):
         builder.ExportOutput(controller.GetOutputPort("surface_speeds"), f"{name}/surface_speeds")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:
