@@ -1,5 +1,6 @@
 """The base of all controllers: what they are built from, their claims and their ports."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import field
 from typing import Any, ClassVar
@@ -281,6 +282,6 @@ class MovesSurfaces:
     """
 
     @classmethod
+    @abstractmethod
     def surfaces(cls, parameters: Any) -> Mapping[str, Vector3]:
         """Return the links whose surfaces are moved with these parameters, and the axis of each in its frame."""
-        raise NotImplementedError

@@ -185,6 +185,17 @@ class DrivePlugin(PluginReader):
             if joint not in movable:
                 raise CannotWorkError(f"the robot has no movable joint {joint!r}")
 
+    def link(self, tag: str = "link_name") -> str:
+        """Read the link that an element names.
+
+        Raises:
+            CannotWorkError: If the robot has no such link, or the element is missing.
+        """
+        link = self.text(tag, "")
+        if link not in self.description.links:
+            raise CannotWorkError(f"the robot has no link {link!r}" if link else f"<{tag}> is missing")
+        return link
+
     def controller(self, kind: str, parameters: Mapping[str, Any]) -> ControllerParameters:
         """Return the entry of a controller of a type with these parameters."""
         return ControllerParameters(self.name, kind, dict(parameters))

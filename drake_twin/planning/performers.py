@@ -5,33 +5,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from drake_twin.dataclass import dataclass
-from drake_twin.description.gazebo_drive import PERFORMER_DETECTOR, PERFORMERS, of_model
+from drake_twin.description.gazebo_drive import PERFORMER_DETECTOR, PERFORMERS
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.owned_detectors import OwnedDetector, owned_detectors
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import with_bridges_of
 from drake_twin.planning.world_sensors import ModelPlan
 
 if TYPE_CHECKING:
     from drake_twin.description.performers import Performer, PerformerDetector
+    from drake_twin.description.touches import TouchDetector
     from drake_twin.description.world_file import WorldFile
-    from drake_twin.planning.touches import OwnedTouch
-
-
-@dataclass(frozen=True)
-class OwnedDetector:
-    """A region of a model.
-
-    Attributes:
-        model: The robot or the model of the world.
-        number: Its number among those of its model, from 0.
-        detector: The region.
-        topic: Its topic in ROS.
-    """
-
-    model: str
-    number: int
-    detector: "PerformerDetector"
-    topic: str
 
 
 @dataclass(frozen=True)
@@ -46,8 +30,8 @@ class Detection:
     """
 
     performers: "tuple[Performer, ...]" = ()
-    detectors: tuple[OwnedDetector, ...] = ()
-    touches: "tuple[OwnedTouch, ...]" = ()
+    detectors: "tuple[OwnedDetector[PerformerDetector], ...]" = ()
+    touches: "tuple[OwnedDetector[TouchDetector], ...]" = ()
     findings: tuple[Finding, ...] = ()
 
 
@@ -78,16 +62,10 @@ def plan_detection(
     touches, about_touches = plan_touches(plans, models, world_file, bridged)
     names = {plan.name for plan in plans}
     names |= set() if world_file is None else {model.name for model in world_file.models}
-    bridged = with_bridges_of(plans, bridged)
-    numbers: dict[str, int] = {}
-    detectors = []
-    for model, detector in regions:
-        number = numbers[model] = numbers.get(model, -1) + 1
-        topic = of_model(detector.topic, model)
-        detectors.append(OwnedDetector(model, number, detector, bridged.get(topic, topic)))
+    detectors = tuple(owned_detectors(regions, with_bridges_of(plans, bridged)))
     return Detection(
         performers=tuple(item for item in performers if item.model in names),
-        detectors=tuple(detectors),
+        detectors=detectors,
         touches=touches,
         findings=(*_about(performers, names, len(detectors)), *about_touches),
     )

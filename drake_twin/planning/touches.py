@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from drake_twin.dataclass import dataclass
-from drake_twin.description.gazebo_drive import TOUCH_PLUGIN, of_model
+from drake_twin.description.gazebo_drive import TOUCH_PLUGIN
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.owned_detectors import OwnedDetector, owned_detectors
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import with_bridges_of
 from drake_twin.planning.world_sensors import ModelPlan
@@ -16,29 +16,12 @@ if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile
 
 
-@dataclass(frozen=True)
-class OwnedTouch:
-    """A detector of touches.
-
-    Attributes:
-        model: The robot or the model of the world that has it.
-        number: Its number among those of its model, from 0.
-        detector: The detector, with its topic in gz.
-        topic: Its topic in ROS.
-    """
-
-    model: str
-    number: int
-    detector: "TouchDetector"
-    topic: str
-
-
 def plan_touches(
     plans: Iterable[RobotPlan],
     models: Iterable[ModelPlan],
     world_file: "WorldFile | None",
     bridged: Mapping[str, str],
-) -> tuple[tuple[OwnedTouch, ...], tuple[Finding, ...]]:
+) -> "tuple[tuple[OwnedDetector[TouchDetector], ...], tuple[Finding, ...]]":
     """Return what tells of touches, and why others do not.
 
     Args:
@@ -57,17 +40,9 @@ def plan_touches(
 
     sensing: list[RobotPlan | ModelPlan] = [*plans, *models]
     feeling = {plan.name for plan in sensing if any(item.kind is ContactSensor for item in plan.sensors)}
-    bridged = with_bridges_of(plans, bridged)
-    numbers: dict[str, int] = {}
-    detectors = []
-    for model, detector in found:
-        number = numbers[model] = numbers.get(model, -1) + 1
-        gz = of_model(detector.topic, model)
-        topic = bridged.get(f"{gz}/touched", f"{gz}/touched")
-        if model in feeling:
-            detectors.append(OwnedTouch(model, number, replace(detector, topic=gz), topic))
+    owned = owned_detectors(found, with_bridges_of(plans, bridged), "/touched")
     names = {plan.name for plan in plans}
-    return tuple(detectors), tuple(_about(found, feeling, names))
+    return tuple(item for item in owned if item.model in feeling), tuple(_about(found, feeling, names))
 
 
 def _about(found: "Iterable[tuple[str, TouchDetector]]", feeling: set[str], robots: set[str]) -> Iterator[Finding]:

@@ -45,7 +45,7 @@ class Deployments:
 
     def use(self, built: TwinDiagram) -> None:
         """Switch to a newly built diagram; what robots have dropped is forgotten with them."""
-        known = list(_deploys(built))
+        known = list(deploys(built))
         self._counts = {(item.owner, item.number): self._counts.get((item.owner, item.number), 0) for item in known}
         self._names = {(item.owner, item.number): item.name for item in known}
         self._robots = {plan.name for plan in built.plans}
@@ -70,6 +70,8 @@ class Deployments:
 
     def fix_due(self, request: Request) -> bool:
         """Request that the models are fixed that are to be so at the present step; return whether there are some."""
+        if not self.moving:
+            return False
         from drake_twin.description.gz_requests import FixModel
 
         due = [entry for entry in self.moving if step_at(entry[0], self._clock.time_step) <= self._clock.step]
@@ -108,7 +110,7 @@ class Deployments:
         self.moving = [(float(time), str(name)) for time, name in state.get("to_be_fixed", ())]
 
 
-def _deploys(built: TwinDiagram) -> "Iterator[Deploy]":
+def deploys(built: TwinDiagram) -> "Iterator[Deploy]":
     """Yield what robots can drop."""
     requests = [item.request for owned in built.triggers for item in owned.trigger.requests]
     if requests:

@@ -5,19 +5,23 @@ They are looked at after each step, in the thread that advances the twin, so tha
 
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydrake.math import RigidTransform
 
 from drake_twin import messages
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages.interface_types import make
-from drake_twin.planning.performers import Detection, OwnedDetector
+from drake_twin.planning.owned_detectors import OwnedDetector
+from drake_twin.planning.performers import Detection
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
 from drake_twin.twin.event_topics import EventTopics
 from drake_twin.twin.model_frame import ModelFrame, model_frame
 from drake_twin.twin.physics import Physics
+
+if TYPE_CHECKING:
+    from drake_twin.description.performers import PerformerDetector
 
 _POSE, _STAMPED, _HEADER = (
     "geometry_msgs/msg/Pose",
@@ -44,7 +48,7 @@ class PerformerDetectors:
         self._clock, self._events, self._hear = clock, events, hear
         self.is_watching = False
         self.endpoints: tuple[Endpoint, ...] = ()
-        self._detectors: tuple[OwnedDetector, ...] = ()
+        self._detectors: tuple[OwnedDetector[PerformerDetector], ...] = ()
         self._inside: dict[tuple[str, int], list[str]] = {}
         self._frames: dict[str, ModelFrame] = {}
         self._halves: dict[str, tuple[float, float, float]] = {}
@@ -111,7 +115,9 @@ class PerformerDetectors:
             raise ValueError("there are no such performers or detectors")
         self._inside = {key: inside.get(key, []) for key in self._inside}
 
-    def _tell(self, item: OwnedDetector, name: str, state: bool, count: int, X_MP: RigidTransform) -> None:
+    def _tell(
+        self, item: "OwnedDetector[PerformerDetector]", name: str, state: bool, count: int, X_MP: RigidTransform
+    ) -> None:
         w, x, y, z = X_MP.rotation().ToQuaternion().wxyz().tolist()
         position = dict(zip("xyz", X_MP.translation().tolist(), strict=True))
         pose = {"position": position, "orientation": {"x": x, "y": y, "z": z, "w": w}}

@@ -113,9 +113,12 @@ class Reactions:
 
             self.touches = TouchDetectors(self._clock, self._events, self.triggers.take)
         self.are_noticing = self.detectors is not None or self.touches is not None
-        if not any(owned.trigger.requests for owned in built.triggers):
-            self.deployments = None
-        elif self.deployments is None:
-            from drake_twin.twin.deployments import Deployments
+        drops = False
+        if any(owned.trigger.requests for owned in built.triggers):
+            from drake_twin.twin.deployments import Deployments, deploys
 
-            self.deployments = Deployments(self._clock, self._events)
+            drops = any(deploys(built))
+            if drops and self.deployments is None:
+                self.deployments = Deployments(self._clock, self._events)
+        if not drops:
+            self.deployments = None

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages.interface_types import make
+from drake_twin.planning.owned_detectors import OwnedDetector
 from drake_twin.planning.performers import Detection
-from drake_twin.planning.touches import OwnedTouch
 from drake_twin.sensors.sensor_host import SensorHost, sensor_hosts
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.endpoints import PUBLISHED, TWIN_NODE, Endpoint
@@ -19,7 +19,7 @@ from drake_twin.twin.event_topics import EventTopics
 from drake_twin.twin.physics import Physics
 
 if TYPE_CHECKING:
-    from drake_twin.description.touches import EnableTouch
+    from drake_twin.description.touches import EnableTouch, TouchDetector
     from drake_twin.sensors.contact import ContactSensor
 
 _FLAG = "std_msgs/msg/Bool"
@@ -45,7 +45,7 @@ class TouchDetectors:
         self._clock, self._events, self._hear = clock, events, hear
         self.is_watching = False
         self.endpoints: tuple[Endpoint, ...] = ()
-        self._detectors: dict[Key, OwnedTouch] = {}
+        self._detectors: dict[Key, OwnedDetector[TouchDetector]] = {}
         self._looking: dict[Key, float | None] = {}  # those that look → since when they touch (s)
         self._sensors: dict[Key, list[tuple[SensorHost, ContactSensor]]] = {}
 
@@ -113,7 +113,7 @@ class TouchDetectors:
         self._looking = {key: looking[key] for key in self._detectors if key in looking}
         self.is_watching = bool(self._looking)
 
-    def _touches(self, key: Key, item: OwnedTouch, physics: Physics) -> bool:
+    def _touches(self, key: Key, item: "OwnedDetector[TouchDetector]", physics: Physics) -> bool:
         with suppress(RuntimeError, SystemExit):  # where Drake cannot solve the next step, that says so
             for host, sensor in self._sensors[key]:
                 pairs = sensor.pairs(host.GetMyContextFromRoot(physics.context))

@@ -91,9 +91,7 @@ def _surfaces(plugin: DrivePlugin) -> dict[str, Any]:
 
 def _wing(plugin: DrivePlugin, numbers: dict[str, float]) -> dict[str, Any]:
     """Return the parameters that both kinds of wings have, and some that are numbers."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     values: dict[str, Any] = {tag: plugin.number(tag, default) for tag, default in numbers.items()}
     for tag in _NOT_NEGATIVE:
         if values.get(tag, 0.0) < 0.0:

@@ -3,7 +3,6 @@
 from drake_twin.description.gazebo_drive import (
     EACH_STEP,
     KINETIC_ENERGY_MONITOR,
-    CannotWorkError,
     DrivePlugin,
     GazeboDrive,
     gazebo_plugin,
@@ -13,9 +12,7 @@ from drake_twin.description.gazebo_drive import (
 @gazebo_plugin("gz-sim-kinetic-energy-monitor-system")
 def kinetic_energy_monitor_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-kinetic-energy-monitor-system`` to the twin's own controller of this kind."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     parameters = {
         "link_name": link,
         "kinetic_energy_threshold": plugin.number("kinetic_energy_threshold", 7.0),

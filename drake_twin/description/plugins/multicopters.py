@@ -100,9 +100,7 @@ def _topic(plugin: DrivePlugin, default: str, tag: str = "commandSubTopic") -> t
 def _rotor(plugin: DrivePlugin) -> dict[str, Any]:
     """Return the parameters of one rotor."""
     (joint,) = plugin.joints("jointName")[:1]
-    link = plugin.text("linkName", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<linkName> is missing")
+    link = plugin.link("linkName")
     if (kind := plugin.text("motorType", "velocity")) != "velocity":
         raise CannotWorkError(f"<motorType> is {kind!r}, and gz-sim drives 'velocity' alone")
     turns = plugin.text("turningDirection", "")
@@ -129,9 +127,7 @@ def _rotor(plugin: DrivePlugin) -> dict[str, Any]:
 
 def _control(plugin: DrivePlugin) -> dict[str, Any]:
     """Return the parameters of the control of the velocity."""
-    link = plugin.text("comLinkName", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<comLinkName> is missing")
+    link = plugin.link("comLinkName")
     if link != plugin.description.root_link:
         raise CannotWorkError(f"<comLinkName> is {link!r}, and only the root link's velocity can be controlled")
     for tag in ("robotNamespace", *_GAINS):

@@ -12,9 +12,7 @@ from drake_twin.description.gazebo_drive import (
 @gazebo_plugin("gz-sim-spacecraft-thruster-model-system")
 def spacecraft_thruster_model_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-spacecraft-thruster-model-system``: a thrust for a part of each cycle."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     if not plugin.has("max_thrust"):
         raise CannotWorkError("<max_thrust> is missing: it pushes nothing")
     number, frequency = plugin.number("actuator_number", 0.0), plugin.number("duty_cycle_frequency", 10.0)

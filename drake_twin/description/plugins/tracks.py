@@ -85,9 +85,7 @@ def _others(plugin: DrivePlugin, kind: str) -> list[GazeboPlugin]:
 
 
 def _track(plugin: DrivePlugin) -> _Track:
-    link = plugin.text("link", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link> is missing")
+    link = plugin.link("link")
     age = plugin.number("max_command_age", inf)
     if age < 0.0:
         raise plugin.error(f"<max_command_age> is {age:g}, and has to be zero or more")

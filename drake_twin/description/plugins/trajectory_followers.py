@@ -19,9 +19,7 @@ _NUMBERS = {"force": 60.0, "torque": 50.0, "range_tolerance": 0.5, "bearing_tole
 @gazebo_plugin("gz-sim-trajectory-follower-system")
 def trajectory_follower_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-trajectory-follower-system``: a force along a link, and a torque that turns it."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     parameters: dict[str, Any] = {tag: plugin.number(tag, default) for tag, default in _NUMBERS.items()}
     for tag in ("range_tolerance", "bearing_tolerance"):
         if parameters[tag] < 0.0:

@@ -24,9 +24,7 @@ _LARGEST = 1000.0  # N or rad/s, of a command
 @gazebo_plugin("gz-sim-hydrodynamics-system")
 def hydrodynamics_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-hydrodynamics-system``: damping, added mass and current of one link."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     written = {tag: plugin.number(tag, 0.0) for tag in plugin.plugin.elements if coefficient_name(tag)}
     coefficients = {_renamed(tag, written, plugin.plugin.filename): value for tag, value in written.items()}
     parameters: dict[str, object] = {
@@ -182,9 +180,7 @@ _FIRST_VOLUME = 3e-5  # m³, which gz-sim approaches from the smallest one where
 @gazebo_plugin("gz-sim-buoyancy-engine-system")
 def buoyancy_engine_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-buoyancy-engine-system``: a bladder to rise and dive with."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     parameters: dict[str, Any] = {tag: plugin.number(tag, default) for tag, default in _OF_BLADDER.items()}
     for tag in ("max_inflation_rate", "fluid_density"):
         if parameters[tag] < 0.0:
@@ -216,9 +212,7 @@ _OF_HULL = (
 @gazebo_plugin("gz-sim-lighter_than_air_dynamics-system", "gz-sim-lighter-than-air-dynamics-system")
 def lighter_than_air_dynamics_system(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``gz-sim-lighter_than_air_dynamics-system``: the air about the hull of an airship."""
-    link = plugin.text("link_name", "")
-    if link not in plugin.description.links:
-        raise CannotWorkError(f"the robot has no link {link!r}" if link else "<link_name> is missing")
+    link = plugin.link()
     for tag in _OF_HULL:
         if not plugin.has(tag):
             raise CannotWorkError(f"<{tag}> is missing")
