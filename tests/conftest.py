@@ -6,12 +6,14 @@ import sys
 from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import hypothesis
 import pytest
 from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tests in physics
 
 from drake_twin.builder.twin_builder import TwinBuilder
+from drake_twin.scenario import CENIC, Scenario
 from drake_twin.wires.rclpy_process import find_rclpy
 
 # Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
@@ -20,6 +22,18 @@ sys.dont_write_bytecode = False
 
 # Programs follow a closed terminal, unless `nohup` has started them: here it may have started the tests.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+# `DRAKE_TWIN_TEST_ISLANDS=1 pytest`: every twin of this process has its robots in islands of so many.
+if islands := int(os.environ.get("DRAKE_TWIN_TEST_ISLANDS", "0")):
+    plain = Scenario.__init__
+
+    def with_islands(self: Scenario, *args: Any, **kwargs: Any) -> None:
+        """Make a scenario with islands, unless its engine has none."""
+        plain(self, *args, **kwargs)
+        if type(self) is Scenario and self.islands == 0 and self.engine != CENIC:
+            object.__setattr__(self, "islands", islands)
+
+    Scenario.__init__ = with_islands  # type: ignore[method-assign]
 
 # The same cases in each run: other ones are a search, for which a seed is given.
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None)

@@ -10,6 +10,7 @@ from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin.controllers.body_forces import BodyForces, Motion
 from drake_twin.controllers.free_bodies import FreeBodies
+from drake_twin.systems.physics_step import physics_step
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -81,7 +82,7 @@ class AppliedForces(WitnesslessSystem):
                 sums[places, np.arange(len(places))] = 1.0
                 self._kinds.append((forces, places, sums, part))
             end += size
-        self._half_step = plant.time_step() / 2
+        self._half_step = physics_step(plant) / 2
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._signals = self.DeclareVectorInputPort("signals", end) if end else None
         self._place, self._pushes = place, None

@@ -10,6 +10,7 @@ from pydrake.systems.framework import Context
 from drake_twin.controllers.body_forces import ForceController, Motion, RobotBody
 from drake_twin.controllers.link_response import LinkResponse
 from drake_twin.errors import InputError
+from drake_twin.systems.physics_step import physics_step
 
 _LEAST = 1e-6  # of the mass of a link, what added mass has to leave of it
 
@@ -60,7 +61,7 @@ class FluidResponse:
     ):
         self._links, self._plant = links, plant
         self._added = np.zeros((len(links), 6, 6)) if added is None else added
-        self._step = self._plant.time_step()
+        self._step = physics_step(self._plant)
         self.follow(None)
         self.bodies: list[RigidBody] = [*self._links, *self._response.carried]
         for (members, *_), response in zip(self._groups, self._response.responses, strict=True):

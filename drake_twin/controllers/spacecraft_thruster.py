@@ -17,6 +17,7 @@ from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
+from drake_twin.systems.physics_step import physics_step
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -70,7 +71,7 @@ class SpacecraftThrusterForces(BodyForces):
         centers = np.array([body.default_com() for body in self.bodies])
         self._wrenches = np.hstack([np.cross(centers, forces), forces])
         self._frequencies = np.array([parameters.duty_cycle_frequency for parameters in found])
-        self._step = sources[0][1].plant.time_step()
+        self._step = physics_step(sources[0][1].plant)
 
     def wrenches(self, motion: Motion, signals: np.ndarray) -> np.ndarray:
         """Return the thrust on each link."""

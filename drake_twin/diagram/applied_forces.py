@@ -18,6 +18,7 @@ from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.systems.physics_step import holds_state
 
 if TYPE_CHECKING:
     from drake_twin.controllers.world_forces import WorldForces
@@ -66,7 +67,8 @@ def apply_forces(
         if of_world:
             yield Finding(Kind.NOT_STARTED, f"{what}: the plugins of the world exert no forces")
         return
-    found = add_gyroscopic_moments(builder, plant), _forces_of(builder, plant, controllers, of_world, wind)
+    tumbling = None if holds_state(plant) else add_gyroscopic_moments(builder, plant)
+    found = tumbling, _forces_of(builder, plant, controllers, of_world, wind)
     sources = [source for source in found if source is not None]
     if not sources:
         return

@@ -28,6 +28,7 @@ from drake_twin.description.surface_velocity import has_moving_surface
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.wheels import WheelFinder
 from drake_twin.scenario import POINT
+from drake_twin.systems.physics_step import physics_step
 
 _ROUND = (Sphere, Capsule, Ellipsoid)
 _LEAST_MASS = 1e-3  # kg
@@ -169,7 +170,7 @@ def has_short_steps(plant: MultibodyPlant) -> bool:
     step only once it has sunk in, and a face before. And a cube slips three times as fast out of pads that touch it
     with few facets: Drake's solvers regularize friction in proportion to the step and to the force of each.
     """
-    return 0 < float(plant.time_step()) <= _SHORT
+    return 0 < physics_step(plant) <= _SHORT
 
 
 def extent_of(shape: Shape) -> np.ndarray:

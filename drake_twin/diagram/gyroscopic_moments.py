@@ -24,6 +24,7 @@ from pydrake.systems.primitives import ConstantVectorSource, Multiplexer, Symbol
 
 from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
+from drake_twin.systems.physics_step import physics_step
 
 # Moments of inertia are equal if they differ by less than this part.
 _EQUAL = 1e-3
@@ -99,7 +100,7 @@ def _moments_of(plant: MultibodyPlant, bodies: Sequence[_LooseBody]) -> Diagram:
     expressions = [
         scale * moment
         for body, own, scale in zip(bodies, np.split(w, count), scales, strict=True)
-        for moment in _missing_moments(own, body.moments, plant.time_step())
+        for moment in _missing_moments(own, body.moments, physics_step(plant))
     ]
     moments = builder.AddNamedSystem("moments", SymbolicVectorSystem(input=[*w, *scales], output=expressions))
     builder.Connect(velocities.get_output_port(), moments.get_input_port())

@@ -11,6 +11,7 @@ from pydrake.systems.framework import Context
 from drake_twin.dataclass import dataclass
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.systems.physics_step import physics_step
 
 # Drake's solver compares forces with these tolerances, and takes the next position of a servo from the present one: the
 # rounding of that, times the stiffness, must be less, where nothing else pulls at the robot.
@@ -78,7 +79,7 @@ def joint_loads(
             gravity=float(load) + _friction(plan, actuator) + _drag(plan, actuator),
             contact=_contact_load(plant, start, plan, actuator, float(m), weights[plan.name]),
             damping=float(actuator.joint().GetDampingVector(start)[0]),
-            stiffest=_stiffest(plant.time_step(), actuator, float(least), pulls[plan.name]),
+            stiffest=_stiffest(physics_step(plant), actuator, float(least), pulls[plan.name]),
         )
         for (plan, actuator), m, least, load in zip(actuators, inertia, least_inertia, gravity, strict=True)
     ]

@@ -36,6 +36,8 @@ from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
+from drake_twin.systems.physics_step import held
+from drake_twin.systems.plant_ports import PlantPorts, StepsElsewhere
 
 if TYPE_CHECKING:
     from drake_twin.control.submerged import Solid
@@ -84,6 +86,7 @@ class PlantOfTwin:
     anchors: dict[str, dict[str, RigidTransform]]
     shapes: tuple[TouchingShape, ...]
     detachable_joints: tuple[JointInPlant, ...]
+    ports: PlantPorts
     solids: "Mapping[BodyIndex, tuple[Solid, ...]]"
 
     def has_model(self, name: str) -> bool:
@@ -99,6 +102,7 @@ def add_plant(
     known_gains: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
     *,
     sampled_output_ports: bool = False,
+    holds_state: bool = False,
 ) -> PlantOfTwin:
     """Add the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
 
@@ -112,12 +116,14 @@ def add_plant(
             every step is an unrestricted update, for which Drake copies the state of all systems twice and asks each
             for its witness functions: a tenth to a fifth of a step with 8 robots. A port that is computed from the
             present state shares its solution with the step that follows.
+        holds_state: Whether the plant only holds the state of robots that are stepped elsewhere.
 
     Raises:
         InputError: If a robot has the name of a model of the world, or Drake refuses a robot (with Drake's reason).
     """
+    step = 0.0 if scenario.engine == CENIC else scenario.time_step
     config = MultibodyPlantConfig(
-        time_step=0.0 if scenario.engine == CENIC else scenario.time_step,
+        time_step=held(step) if holds_state else step,
         use_sampled_output_ports=sampled_output_ports and scenario.engine != CENIC,
         contact_model="hydroelastic_with_fallback",
         contact_surface_representation="polygon",
@@ -162,7 +168,14 @@ def add_plant(
         )
         for (name, instance), layout in zip(instances.items(), layouts.values(), strict=True)
     }
-    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable, solids)
+    elsewhere = None
+    if holds_state:
+        elsewhere = builder.AddNamedSystem("steps_elsewhere", StepsElsewhere(plant, instances))
+        builder.Connect(plant.get_state_output_port(), elsewhere.GetInputPort("state"))
+    ports = PlantPorts(plant, elsewhere)
+    return PlantOfTwin(
+        plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable, ports, solids
+    )
 
 
 @contextmanager

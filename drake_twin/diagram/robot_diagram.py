@@ -100,7 +100,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     late = MeasurementDelay(builder, inputs, plan.robot.measurement_delay, time_step)
     from_plant = {
         "state": plant.get_state_output_port(instance),
-        "net_actuation": plant.get_net_actuation_output_port(instance),
+        "net_actuation": surroundings.ports.net_actuation(instance),
     }
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
     for controller in controllers.values():

@@ -24,6 +24,7 @@ from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem
+from drake_twin.systems.plant_ports import PlantPorts
 
 if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile
@@ -35,7 +36,7 @@ class SensorSurroundings:
     """What the sensors and controllers of all robots are built in.
 
     Attributes:
-        plant: The finalized plant.
+        ports: The finalized plant's ports.
         scene_graph: The scene graph with all shapes.
         time_step: The physics step (s).
         seed: What noise is drawn from.
@@ -45,7 +46,7 @@ class SensorSurroundings:
         wind: The velocity of the air in the world (m/s), or the system of one that changes.
     """
 
-    plant: MultibodyPlant
+    ports: PlantPorts
     scene_graph: SceneGraph | None = None
     time_step: float = 1e-3
     seed: int = 0
@@ -53,6 +54,11 @@ class SensorSurroundings:
     world: "WorldFile | None" = None
     renderer: LazyRenderer = field(default_factory=LazyRenderer)
     wind: "tuple[float, float, float] | Wind" = (0.0, 0.0, 0.0)
+
+    @property
+    def plant(self) -> MultibodyPlant:
+        """The finalized plant."""
+        return self.ports.plant
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,7 @@ def add_read_sensors(
     systems, ports, warnings = _add(host, plan, read, instance, surroundings, "sensor ", {})
     if read:
         builder.AddNamedSystem(free_name(builder, "sensors"), host)
-        for output, port in host.inputs_from(surroundings.plant, surroundings.scene_graph):
+        for output, port in host.inputs_from(surroundings.ports, surroundings.scene_graph):
             inputs.connect(output, output.get_name(), port)
         for item in ports:
             builder.ExportOutput(host.GetOutputPort(item.name), item.name)
@@ -186,5 +192,5 @@ def _connect(
     builder.AddNamedSystem(free_name(builder, f"{name}_sensor"), source)
     builder.Connect(source.get_output_port(), controller.get_sensor_input_port())
     if own is not None:
-        for output, port in own.inputs_from(surroundings.plant):
+        for output, port in own.inputs_from(surroundings.ports):
             inputs.connect(output, output.get_name(), port)

@@ -81,7 +81,7 @@ def add_sensors(
         findings += (*model.findings, *(Finding(Kind.WARNING, f"{model.name}: {text}") for text in warnings))
     if host.sensors:
         builder.AddNamedSystem("sensors", host)
-        for output, port in host.inputs_from(parts.plant, parts.scene_graph):
+        for output, port in host.inputs_from(parts.ports, parts.scene_graph):
             builder.Connect(output, port)
         if host.wind_input is not None and not isinstance(surroundings.wind, tuple):
             builder.Connect(surroundings.wind.get_wind_info_output_port(), host.wind_input)

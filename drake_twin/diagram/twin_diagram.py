@@ -39,6 +39,7 @@ from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
+from drake_twin.systems.plant_ports import PlantPorts
 
 if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile
@@ -71,6 +72,7 @@ class TwinDiagram:
     diagram: Diagram
     plant: MultibodyPlant
     scene_graph: SceneGraph
+    ports: PlantPorts
     plans: tuple[RobotPlan, ...]
     robots: dict[str, RobotInPlant]
     published: dict[str, PublishedTopic]
@@ -122,12 +124,14 @@ class DiagramParts:
         scene_graph: The scene graph with its shapes.
         robots: Robot → its sub-diagram as a system of the builder.
         plans: The robots.
+        ports: The ports that follow from the plant's step to come.
     """
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     robots: Mapping[str, Diagram]
     plans: tuple[RobotPlan, ...]
+    ports: PlantPorts
 
     def output(self, robot: str, name: str) -> OutputPort:
         """Return an output port of a robot: ``state``, ``state_estimated``, ``net_actuation`` or a controller's.
@@ -136,7 +140,7 @@ class DiagramParts:
             InputError: If the robot or the port is unknown.
         """
         system = self._robot(robot)
-        own = {"state": self.plant.get_state_output_port, "net_actuation": self.plant.get_net_actuation_output_port}
+        own = {"state": self.plant.get_state_output_port, "net_actuation": self.ports.net_actuation}
         if name in own:
             return own[name](self.plant.GetModelInstanceByName(robot))
         if not system.HasOutputPort(name):
@@ -202,7 +206,7 @@ def build_twin_diagram(
         world_file = world_of(scenario.world, packages)
     builder = DiagramBuilder()
     try:
-        parts = add_plant(builder, scenario, plans, world_file, known_gains)
+        parts = add_plant(builder, scenario, plans, world_file, known_gains, holds_state=scenario.islands > 0)
         renderer = LazyRenderer() if known is None else known.renderer
         return _build(builder, scenario, meshcat, parts, plans, world_file, extensions, renderer)
     except BaseException:
@@ -223,7 +227,7 @@ def _build(
     """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
     surroundings = SensorSurroundings(
-        parts.plant,
+        parts.ports,
         parts.scene_graph,
         scenario.time_step,
         scenario.seed,
@@ -251,7 +255,7 @@ def _build(
     own = {system.get_name() for system in builder.GetSystems()}
     for extend in extensions:
         systems = {name: robot.diagram for name, robot in robots.items()}
-        extend(builder, DiagramParts(parts.plant, parts.scene_graph, systems, plans))
+        extend(builder, DiagramParts(parts.plant, parts.scene_graph, systems, plans, parts.ports))
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
@@ -275,6 +279,7 @@ def _build(
         diagram=diagram,
         plant=parts.plant,
         scene_graph=parts.scene_graph,
+        ports=parts.ports,
         plans=plans,
         robots=parts.robots,
         published=topics.published_of(diagram),
@@ -317,7 +322,7 @@ def _export_vectors(
         outputs = {"state": parts.plant.get_state_output_port(instance)}
         outputs["state_estimated"] = robot.diagram.GetOutputPort("state_estimated")
         if parts.robots[name].layout.num_actuators:
-            outputs["net_actuation"] = parts.plant.get_net_actuation_output_port(instance)
+            outputs["net_actuation"] = parts.ports.net_actuation(instance)
         for own, output in outputs.items():
             if f"{name}/{own}" not in taken:
                 builder.ExportOutput(output, f"{name}/{own}")
@@ -342,9 +347,14 @@ def _add_robot(
     robot = build_robot_diagram(plan, surroundings, in_plant)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     if layout.num_actuators:
-        builder.Connect(system.GetOutputPort("desired_state"), plant.get_desired_state_input_port(instance))
-        if system.HasOutputPort("actuation"):
-            builder.Connect(system.GetOutputPort("actuation"), plant.get_actuation_input_port(instance))
+        inputs = {"desired_state": plant.get_desired_state_input_port, "actuation": plant.get_actuation_input_port}
+        for name, port in inputs.items():
+            if system.HasOutputPort(name):
+                builder.Connect(system.GetOutputPort(name), port(instance))
+                if parts.ports.elsewhere is not None:
+                    builder.Connect(
+                        system.GetOutputPort(name), parts.ports.elsewhere.GetInputPort(f"{plan.name}/{name}")
+                    )
     for name, output in robot.plant_inputs.items():
         builder.Connect(output, system.GetInputPort(name))
     publish_robot(plan, robot, system, topics, in_plant, surroundings.time_step)

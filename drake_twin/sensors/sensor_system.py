@@ -163,13 +163,14 @@ class SensorSystem:
         tickets = {self.host.input_port_ticket(port.get_index()) for port in self._inputs}
         return tickets | ({self.host.time_ticket()} if self.is_noisy else set())
 
-    def declare_plant_input(self, name: str) -> InputPort:
+    def declare_plant_input(self, name: str, value: AbstractValue | None = None) -> InputPort:
         """Return the port that carries a port of the plant, or ``query`` of the scene graph.
 
         Args:
             name: One of those of `PlantReader.declare_plant_input`.
+            value: As there.
         """
-        port = self.host.declare_plant_input(name)
+        port = self.host.declare_plant_input(name, value)
         self._inputs.append(port)
         return port
 

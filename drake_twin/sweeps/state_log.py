@@ -8,6 +8,7 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from drake_twin.cli.history import MOST_SAMPLES, SAMPLE_RATE, RobotHistory, RunHistory
 from drake_twin.diagram.twin_diagram import DiagramParts
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.systems.physics_step import physics_step
 from drake_twin.twin.twin import Twin
 
 
@@ -24,11 +25,11 @@ class StateLog:
 
     def __call__(self, builder: DiagramBuilder, parts: DiagramParts) -> None:
         """Add the logs to a diagram that is built."""
-        step = parts.plant.time_step()
+        step = physics_step(parts.plant)
         period = max(1, round(1.0 / SAMPLE_RATE / step)) * step if step else 1.0 / SAMPLE_RATE
         ports = [parts.plant.get_state_output_port()]
         if self._with_efforts:
-            ports.append(parts.plant.get_net_actuation_output_port())
+            ports.append(parts.ports.net_actuation())
         self._sinks = [LogVectorOutput(port, builder, period) for port in ports]
 
     def restart(self, twin: Twin) -> None:

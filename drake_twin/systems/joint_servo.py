@@ -139,6 +139,11 @@ class JointServo(WitnesslessSystem):
         """Return the port ``commanded_motion``."""
         return self._commanded_motion
 
+    @property
+    def moves_limits(self) -> bool:
+        """Whether it changes the effort limits of the plant's motors."""
+        return any(self._limited.values())
+
     def assignment(self, context: Context) -> ServoAssignment:
         """Return the present sources of each actuator's set-points."""
         assignment: ServoAssignment = context.get_abstract_state(int(self._assignment)).get_value()

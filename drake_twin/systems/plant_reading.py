@@ -3,8 +3,9 @@
 from functools import cached_property
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
+
+from drake_twin.systems.plant_ports import PlantPorts
 
 _CONSTANTS = np.array([np.nan, 0.0])
 
@@ -13,7 +14,7 @@ class Reading:
     """The numbers of a plant at the time of a context, read when asked for, which must be before the context changes.
 
     Args:
-        plant: The plant.
+        ports: The plant's ports.
         root_context: The root diagram's context.
         plant_context: The plant's context in it.
 
@@ -22,8 +23,8 @@ class Reading:
         time: Its time (s).
     """
 
-    def __init__(self, plant: MultibodyPlant, root_context: Context, plant_context: Context):
-        self._plant = plant
+    def __init__(self, ports: PlantPorts, root_context: Context, plant_context: Context):
+        self._ports, self._plant = ports, ports.plant
         self._plant_context = plant_context
         self.root_context = root_context
         self.time: float = root_context.get_time()
@@ -37,7 +38,7 @@ class Reading:
     @cached_property
     def with_efforts(self) -> np.ndarray:
         """``[q; v]``, the efforts of all actuators (N·m or N), NaN and 0; shape (n + m + 2,)."""
-        efforts = self._plant.get_net_actuation_output_port().Eval(self._plant_context)
+        efforts = self._ports.efforts(self.root_context, self._plant_context)
         return np.concatenate((self.state, efforts, _CONSTANTS))
 
     @cached_property

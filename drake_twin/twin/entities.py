@@ -15,6 +15,7 @@ from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.scenario.absolute_files import robot_with_files_found
 from drake_twin.scenario.names import LONGEST_NAME
+from drake_twin.systems.physics_step import physics_step
 from drake_twin.twin.entity_state import (
     EntityState,
     Wrench,
@@ -357,7 +358,7 @@ def _check_model(session: Session, entity: str) -> None:
 def _passes_walls(session: Session, wrench: Wrench) -> str | None:
     """Say so if a force moves a robot or model in a step by more than it is thick: contact does not see that way."""
     built, context = session.built, session.physics.plant_context
-    body, step, force = find_body(built, wrench.entity), built.plant.time_step(), float(np.linalg.norm(wrench.force))
+    body, step, force = find_body(built, wrench.entity), physics_step(built.plant), float(np.linalg.norm(wrench.force))
     shapes = [shape.shape for shape in built.shapes if shape.body == body.index()]
     mass = built.plant.CalcTotalMass(context, [body.model_instance()])
     if step == 0.0 or not shapes or mass <= 0.0:  # CENIC takes shorter steps

@@ -332,7 +332,7 @@ class Graph(Group, path="twin.graph"):
 
     def _read(self) -> Reading:
         physics = self._session.physics
-        return Reading(physics.built.plant, physics.context, physics.plant_context)
+        return Reading(physics.built.ports, physics.context, physics.plant_context)
 
     def draft(self, topic: str, reading: Reading) -> Draft | None:
         """Draft a topic's message from a reading of the present time; None without one, or if its robot is deleted.

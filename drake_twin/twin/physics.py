@@ -38,6 +38,11 @@ from drake_twin.twin.pushes import settled_pushes
 from drake_twin.twin.state import read_robot_state
 from drake_twin.twin.varied_parameters import varied_parameters
 
+if TYPE_CHECKING:
+    from drake_twin.islands.archipelago import Memory
+    from drake_twin.islands.island import Island
+    from drake_twin.islands.island_simulator import IslandSimulator
+
 # Longer than the longest grid (s): a limit that is met except for rounding leaves a step of 1e-16 s. In such a step the
 # velocity that CENIC gives a mimic joint, its position error divided by the step, is unbounded.
 _LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
@@ -53,12 +58,14 @@ class Moment(NamedTuple):  # made before each advance, in a third of the time th
         state: The plant's ``[q; v]``.
         samples: The sample of each stateful controller, in the order of their contexts; None if no step changes it.
         past: The past of each measurement delay.
+        islands: What the islands remember; None without islands.
     """
 
     time: float
     state: np.ndarray
     samples: list[Sample | None]
     past: Past
+    islands: "Memory | None" = None
 
 
 def is_same_robot(plan: RobotPlan, other: RobotPlan | None) -> bool:
@@ -77,6 +84,19 @@ def has_other_parameters(plan: RobotPlan, other: RobotPlan) -> bool:
     return robot != there and replace(robot, controller_parameters=there.controller_parameters) == there
 
 
+def _island_simulator(built: TwinDiagram, scenario: Scenario) -> "IslandSimulator | None":
+    if not scenario.islands:
+        return None
+    from drake_twin.islands.island_simulator import IslandSimulator
+
+    def parameterize(island: "Island", parameters: Mapping[str, Sequence[Any]]) -> None:
+        own = PlantParameters(island.plant, island.scene_graph, island.context)
+        own.put(island.context, parameters, leave_out_unknown=True)
+        follow_inertias(island.diagram, island.plant, island.context)
+
+    return IslandSimulator(built, scenario, parameterize)
+
+
 class Physics:
     """A scenario's diagram with its simulator.
 
@@ -90,6 +110,7 @@ class Physics:
     Attributes:
         built: The diagram.
         simulator: Its simulator.
+        islands: The simulator, if robots are in islands.
         context: The root context.
         plant_context: The plant's context.
         gains: Robot → the gains of its servos; those of its file unless the scenario retunes them.
@@ -107,7 +128,8 @@ class Physics:
         extensions: Sequence[Extension] = (),
     ):
         self.built = build_twin_diagram(scenario, meshcat, known, plans, extensions)
-        self.simulator = Simulator(self.built.diagram)
+        self.islands = _island_simulator(self.built, scenario)
+        self.simulator = self.islands or Simulator(self.built.diagram)
         if scenario.engine == CENIC:
             configuration = SimulatorConfig(
                 integration_scheme="cenic", accuracy=scenario.accuracy, max_step_size=_LONGEST_STEP_OF_CENIC
@@ -198,7 +220,8 @@ class Physics:
         state = self.built.plant.GetPositionsAndVelocities(self.plant_context)
         samples = [item.sample(context) if item.is_updated else None for item, context in self._keepers]
         past = self._late.past() if self._late.contexts else ()
-        return Moment(self.context.get_time(), state, samples, past)
+        memory = None if self.islands is None else self.islands.archipelago.memory()
+        return Moment(self.context.get_time(), state, samples, past, memory)
 
     def go_back(self, moment: Moment) -> None:
         """Return to a moment of this diagram, for all that steps have changed."""
@@ -208,6 +231,8 @@ class Physics:
             if sample is not None:
                 item.set_sample(context, sample)
         self._late.go_back(moment.past)
+        if self.islands is not None:
+            self.islands.archipelago.remember(moment.islands)
         self.detachable_joints.follow()
         self.initialize()
 
@@ -230,6 +255,9 @@ class Physics:
             self._put(self._start_parameters)
         self._late.start()
         self.detachable_joints.forget()
+        if self.islands is not None:
+            self.islands.archipelago.remember(None)
+            self._follow_parameters()
 
     def use(self, scenario: Scenario) -> None:
         """Start with the values and pushes of a scenario from now on.
@@ -260,6 +288,12 @@ class Physics:
         if self._parameters.put(self.context, parameters, leave_out_unknown=leave_out_unknown):
             follow_inertias(self.built.diagram, self.built.plant, self.context)
             follow_masses(self.built.diagram, self.built.plant, self.context)
+            self._follow_parameters()
+
+    def _follow_parameters(self) -> None:
+        """Let the islands have the parameters of the context."""
+        if self.islands is not None:
+            self.islands.archipelago.follow_parameters(self._parameters.changed(self.context))
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""
@@ -283,6 +317,8 @@ class Physics:
         }
         if systems := self._extensions.state():
             state["systems"] = systems
+        if self.islands is not None:
+            state["islands"] = self.islands.state()
         if self._wind is not None:
             state["wind"] = to_plain(self._wind.state(self._wind.GetMyContextFromRoot(self.context)))
         return state
@@ -302,6 +338,8 @@ class Physics:
         for name, saved in state["robots"].items():
             self.set_robot_state(name, np.array(saved["state"], dtype=float))
             self._late.set_state(name, saved)
+        if self.islands is not None and state.get("islands"):
+            self.islands.set_state(state["islands"])
         self._set_wind(state)
         self._extensions.set_state(state.get("systems", {}))
 
@@ -389,6 +427,8 @@ class Physics:
 
     def discard(self) -> None:
         """Release the diagram, so that its memory can be freed."""
+        if self.islands is not None:
+            self.islands.discard()
         release([self.simulator, self.built.diagram])
-        del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
+        del self.simulator, self.islands, self.context, self.plant_context, self.built, self._keepers, self._parameters
         del self._extensions, self._late, self._wind, self.detachable_joints

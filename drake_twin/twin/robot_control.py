@@ -98,6 +98,7 @@ class RobotControl:
         if self._parts.gpios is not None:
             self._gpio_context = self._parts.gpios.GetMyMutableContextFromRoot(physics.context)
         self._gains = physics.gains[self._plan.name]
+        self._islands = physics.islands
         self._joints = driven_joints(self._plan.description, self._parts.joints, self._gains)
         layout = self._in_plant.layout
         names = [
@@ -122,7 +123,7 @@ class RobotControl:
         """Release the diagram, because the robot has been deleted; its manager has no controllers from now on."""
         self.manager.retire()
         self.controllers, self._contexts = {}, {}
-        del self._plant, self._plant_context, self._parts, self._in_plant
+        del self._plant, self._plant_context, self._parts, self._in_plant, self._islands
         self.__dict__.pop("_servo_context", None)
 
     def start(self) -> None:
@@ -365,6 +366,8 @@ class RobotControl:
         if servo is not None:
             assignment = servo.assignment(self._servo_context)
             set_gains(self._plant, self._in_plant.instance, self._gains, assignment.modes)
+            if self._islands is not None:
+                self._islands.archipelago.inputs.moved_motors.add(self._plan.name)
             self.check_period = check_period(assignment)
             self._slipping = slipping_range(assignment, self._joints)
 

@@ -62,6 +62,7 @@ class Snapshot:
         deployed: The number of models that a robot has dropped: the robot, the plugin that drops them, and how many.
         to_be_fixed: The time (s) at which a model that was dropped is to be fixed to the world, and its name.
         wind: What the world's wind was last told, where it changes.
+        islands: Which robots and models share a plant, until which step, and for how long each has been still.
         touching: What looks for touches: its model, its number there, and since when it touches (s); None if not.
 
     Raises:
@@ -92,6 +93,7 @@ class Snapshot:
     to_be_fixed: list[tuple[float, str]] = field(default_factory=list)
     wind: dict[str, Any] = field(default_factory=dict)
     touching: list[tuple[str, int, float | None]] = field(default_factory=list)
+    islands: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, kind in field_types(Snapshot).items():

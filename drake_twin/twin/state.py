@@ -45,7 +45,7 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
     state = plant.GetPositionsAndVelocities(plant_context, parts.instance).tolist()
     efforts = [0.0] * layout.num_actuators
     if with_efforts:
-        efforts = plant.get_net_actuation_output_port(parts.instance).Eval(plant_context).tolist()
+        efforts = built.ports.efforts(context, plant_context, parts.instance).tolist()
     names = tuple(joint.name for joint in plan.description.movable_joints)
     root = plant.GetBodyByName(plan.model.root_body, parts.instance)
     pose = plant.EvalBodyPoseInWorld(plant_context, root)

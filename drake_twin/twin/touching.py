@@ -32,7 +32,7 @@ def touching(twin: Twin, models: Mapping[GeometryId, str]) -> tuple[Counter[tupl
     Raises:
         RunError: If Drake cannot solve the next step.
     """
-    results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
+    results = twin.graph.evaluate(twin.built.ports.contact_results())
     facets, points = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
     for index in range(results.num_hydroelastic_contacts()):
         surface = results.hydroelastic_contact_info(index).contact_surface()

@@ -4,6 +4,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.systems.plant_ports import PlantPorts
 from drake_twin.systems.plant_reading import Reading
 
 
@@ -21,7 +22,7 @@ def reading():
     own = plant.GetMyMutableContextFromRoot(context)
     plant.SetPositionsAndVelocities(own, [0.4, -0.7])
     plant.get_actuation_input_port().FixValue(own, [3.0])
-    return Reading(plant, context, own)
+    return Reading(PlantPorts(plant), context, own)
 
 
 def test_the_state_the_efforts_nan_and_zero_follow_each_other(reading):

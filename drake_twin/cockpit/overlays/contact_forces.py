@@ -59,7 +59,7 @@ class ContactForces:
 
 def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield each contact's point (m, in the world) and force (N)."""
-    results = twin.graph.evaluate(twin.plant.get_contact_results_output_port())
+    results = twin.graph.evaluate(twin.built.ports.contact_results())
     inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
     world = twin.plant.world_body().index()
     for index in range(results.num_point_pair_contacts()):

@@ -1,0 +1,246 @@
+"""The islands of a twin: who is in which, who rests, and what they output."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydrake.systems.framework import Context
+
+from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.islands.extents import Extents
+from drake_twin.islands.inputs import Inputs
+from drake_twin.islands.island import Island
+from drake_twin.islands.island_store import IslandStore, Parameterize
+from drake_twin.islands.mover import Mover, movers_of
+from drake_twin.islands.partition import components, packed
+from drake_twin.islands.rest import Rest
+from drake_twin.scenario import Scenario
+
+_FRAME = 0.01  # s for which a partition holds
+
+# Robot and controller of a joint that comes and goes → the pose at which it holds its child (3×4), or nothing.
+Attachments = Mapping[tuple[str, str], tuple[float, ...]]
+
+
+class Memory(NamedTuple):
+    """What an archipelago remembers between two steps, beside the state of robots and models.
+
+    Attributes:
+        groups: The movers of each island that is stepped.
+        until: The step at which they are found anew.
+        rested: For how long each mover has been still (s).
+    """
+
+    groups: tuple[tuple[int, ...], ...]
+    until: int
+    rested: tuple[float, ...]
+
+
+class Archipelago:
+    """The islands of a diagram whose plant only holds the state.
+
+    Each 10 ms, movers whose boxes may touch within the next 10 ms are put together, and alone or together into islands
+    of a few movers. Those that have been still for half a second, and touch none that moves, rest: they are in no
+    island, with velocities of zero, until something comes near, acts on them, or commands them. All follows from the
+    state and `Memory` alone.
+
+    Args:
+        built: The diagram.
+        scenario: Its scenario.
+        root: The diagram's context.
+        parameterize: Sets parameters of an island.
+        pool: The threads that step islands; None for the caller's.
+
+    Attributes:
+        movers: All movers.
+        islands: The islands that are stepped.
+        inputs: What acts on them.
+        attachments: Returns the joints that come and go.
+    """
+
+    def __init__(
+        self,
+        built: TwinDiagram,
+        scenario: Scenario,
+        root: Context,
+        parameterize: Parameterize,
+        pool: ThreadPoolExecutor | None,
+    ):
+        self._plant, self._most, self._time_step = built.plant, scenario.islands, scenario.time_step
+        self._context = built.plant.GetMyMutableContextFromRoot(root)
+        inspector = built.scene_graph.model_inspector()
+        self.movers: list[Mover] = movers_of(built, inspector)
+        self._extents = Extents(built.plant, inspector, self.movers)
+        self._store = IslandStore(built, scenario, self.movers, parameterize)
+        self.inputs = Inputs(built, self._context, self.movers)
+        self._rest = Rest(self.movers, built.plant.num_positions())
+        self._pool = pool
+        self._tied = _tied(built, self.movers)
+        self.attachments: Callable[[], Attachments] = dict
+        self.islands: list[Island] = []
+        self._resting: list[Island] = []  # of movers that rest, and whose forces somebody has asked for
+        self._places: list[np.ndarray] = []  # of the members of each island in the plant's state
+        self._groups: tuple[tuple[int, ...], ...] = ()
+        self._state = np.empty(0)  # as of the last frame; empty if islands do not have it
+        self._until = 0
+        self._frame = max(1, round(_FRAME / scenario.time_step))
+
+    # What it remembers.
+
+    def memory(self) -> Memory:
+        """Return what is remembered."""
+        return Memory(self._groups, self._until, tuple(self._rest.times.tolist()))
+
+    def remember(self, memory: Memory | None) -> None:
+        """Continue with what was remembered; None to begin anew."""
+        self._groups, self._until = (memory.groups, memory.until) if memory is not None else ((), 0)
+        self._rest.times = np.array(memory.rested) if memory is not None else np.zeros(len(self.movers))
+        self.forget_state()
+
+    def forget_state(self) -> None:
+        """Know that the state may be another one, for which what is remembered still holds."""
+        self._state = np.empty(0)
+
+    def follow_parameters(self, parameters: Mapping[str, Sequence[Any]]) -> None:
+        """Simulate with these parameters, other than the files', from now on."""
+        self._release(self.islands)
+        self._release(self._resting)
+        self.islands, self._resting, self._groups, self._until = [], [], (), 0
+        self._store.follow(parameters)
+        self._rest.wake(range(len(self.movers)))
+
+    # Frames.
+
+    def next_frame(self, step: int) -> int:
+        """Return the step at which the frame of a step ends."""
+        return (step // self._frame + 1) * self._frame
+
+    def advance(self, step: int, target: int) -> np.ndarray:
+        """Step all movers from a step to another one in the same frame; return the plant's ``[q; v]`` then."""
+        self._settle(step)
+        end = target * self._time_step
+        if self._pool is None or len(self.islands) < 2:
+            for island in self.islands:
+                island.advance_to(end)
+        else:
+            futures = [self._pool.submit(island.advance_to, end) for island in self.islands]
+            try:
+                for future in futures:
+                    future.result()
+            finally:
+                wait(futures)
+        for island, places in zip(self.islands, self._places, strict=True):
+            self._state[places] = island.state()
+        if target == self.next_frame(step):
+            for number in np.flatnonzero(self._rest.pass_time(self._state, self._frame * self._time_step)).tolist():
+                self._state[self._rest.velocities(number)] = 0.0
+        return self._state
+
+    def _settle(self, step: int) -> None:
+        """Have each mover that does not rest in an island, with the present state and inputs."""
+        state = self._plant.GetPositionsAndVelocities(self._context)
+        is_known = len(self._state) > 0
+        moved = self._moved(state) if is_known and state.tobytes() != self._state.tobytes() else set()
+        changed = self.inputs.read()
+        awake = {number for group in self._groups for number in group}
+        roused = (moved | changed) - awake if self._until > step else set()
+        self._rest.wake(moved | changed)
+        if self._until <= step or moved or roused:
+            self._until = self.next_frame(step)
+            self._take(self._present_groups(state, (self._until - step) * self._time_step), state, step)
+            self.inputs.give(self.islands, None)
+        elif not is_known:
+            self._take(self._groups, state, step)
+            self.inputs.give(self.islands, None)
+        else:
+            self.inputs.give(self.islands, changed)
+        self._state = state
+
+    def _moved(self, state: np.ndarray) -> set[int]:
+        """Return the movers whose state is not what their island left."""
+        differs = state != self._state
+        return {number for number, mover in enumerate(self.movers) if differs[mover.places.state].any()}
+
+    def _present_groups(self, state: np.ndarray, duration: float) -> tuple[tuple[int, ...], ...]:
+        """Return the movers of each island for a time (s) to come."""
+        lower, upper = self._extents.swept(state, self._context, duration)
+        parts = components(lower, upper, self._extents.owners, len(self.movers), self._tied)
+        rested = self._rest.rested
+        return tuple(packed([part for part in parts if not rested[part].all()], self._most))
+
+    def _take(self, groups: tuple[tuple[int, ...], ...], state: np.ndarray, step: int) -> None:
+        """Let groups of movers take islands; a group that was one before goes on in its island."""
+        time = step * self._time_step
+        before = {tuple(sorted(island.members)): island for island in self.islands}
+        kept = {group: before.pop(group) for group in groups if group in before}
+        self._store.give_back(before.values())
+        self.islands, self._places = [], []
+        for group in groups:
+            ordered = sorted(group, key=lambda number: (self._store.kinds[number], number))
+            island = kept.get(group) or self._store.take(ordered)
+            places = np.concatenate([self.movers[number].places.state for number in ordered])
+            island.take(ordered, state[places], time)
+            self.islands.append(island)
+            self._places.append(places)
+        self._groups = groups
+
+    # What follows from the step to come.
+
+    def present(self, step: int, *, everywhere: bool = True) -> list[Island]:
+        """Return islands of all movers with the present state and inputs, also of those that rest.
+
+        Args:
+            step: The present step.
+            everywhere: Whether those that rest are wanted.
+        """
+        self._settle(step)
+        if not everywhere:
+            return self.islands
+        awake = {number for group in self._groups for number in group}
+        asleep = [number for number in range(len(self.movers)) if number not in awake]
+        wanted = self._resting_groups(asleep)
+        before = {tuple(sorted(island.members)): island for island in self._resting}
+        kept = {group: before.pop(group) for group in wanted if group in before}
+        self._store.give_back(before.values())
+        new = []
+        self._resting = []
+        for group in wanted:
+            ordered = sorted(group, key=lambda number: (self._store.kinds[number], number))
+            island = kept.get(group)
+            if island is None:
+                island = self._store.take(ordered)
+                places = np.concatenate([self.movers[number].places.state for number in ordered])
+                island.take(ordered, self._state[places], step * self._time_step)
+                new.append(island)
+            self._resting.append(island)
+        self.inputs.give(new, None)
+        return [*self.islands, *self._resting]
+
+    def _resting_groups(self, asleep: Sequence[int]) -> list[tuple[int, ...]]:
+        if not asleep:
+            return []
+        lower, upper = self._extents.swept(self._state, self._context, 0.0)
+        chosen = np.isin(self._extents.owners, asleep)
+        parts = components(lower[chosen], upper[chosen], self._extents.owners[chosen], len(self.movers), self._tied)
+        sleepers = set(asleep)
+        return packed([part for part in parts if part[0] in sleepers], self._most)
+
+    def _release(self, islands: Iterable[Island]) -> None:
+        for island in islands:
+            island.discard()
+
+    def discard(self) -> None:
+        """Release all islands, so that their memory can be freed."""
+        self._release(self.islands)
+        self._release(self._resting)
+        self._store.discard()
+
+
+def _tied(built: TwinDiagram, movers: Sequence[Mover]) -> list[tuple[int, int]]:
+    """Return the pairs of movers that joints which come and go may hold together."""
+    numbers = {int(instance): number for number, mover in enumerate(movers) for instance in mover.places.instances}
+    return [
+        (numbers[int(joint.parent.model_instance())], numbers[int(joint.child.model_instance())])
+        for joint in built.detachable_joints
+    ]

@@ -1,0 +1,191 @@
+"""A plant of its own for a few robots and models, with places that any mover of a kind can take."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.geometry import GeometryId
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import (
+    ExternallyAppliedSpatialForce,
+    ExternallyAppliedSpatialForceMultiplexer,
+    MultibodyPlant,
+)
+from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.analysis import InitializeParams, Simulator
+from pydrake.systems.framework import BusValue, Diagram, DiagramBuilder, FixedInputPortValue, InputPort
+
+from drake_twin.diagram.detachable_joints import JointInPlant
+from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments
+from drake_twin.diagram.plant import PlantOfTwin
+from drake_twin.diagram.release import release
+from drake_twin.islands.mover import Mover, Places, places_of
+
+_QUIET = InitializeParams(suppress_initialization_events=True)
+
+
+class Island:
+    """A plant with a place for each of some movers.
+
+    Args:
+        builder: The builder that has the plant.
+        parts: The plant.
+        models: The movers that it is built of; each place takes a mover of the same kind.
+
+    Attributes:
+        diagram: The diagram.
+        plant: Its plant.
+        scene_graph: Its scene graph.
+        models: The movers that it is built of.
+        places: The place of each.
+        members: The number of the mover in each place.
+    """
+
+    def __init__(self, builder: DiagramBuilder, parts: PlantOfTwin, models: Sequence[Mover]):
+        plant, self.scene_graph = parts.plant, parts.scene_graph
+        self.plant: MultibodyPlant = plant
+        self._pushes = _add_forces(builder, plant)
+        self.diagram: Diagram = builder.Build()
+        self.simulator = Simulator(self.diagram)
+        self.context = self.simulator.get_mutable_context()
+        self.plant_context = plant.GetMyMutableContextFromRoot(self.context)
+        self.models = tuple(models)
+        self.places: tuple[Places, ...] = tuple(
+            places_of(
+                plant,
+                (parts.robots[mover.name].instance,) if mover.is_robot else parts.world_models[mover.name],
+            )
+            for mover in models
+        )
+        self.detachable_joints: tuple[JointInPlant, ...] = parts.detachable_joints
+        self.members: tuple[int, ...] = ()
+        self._state = np.concatenate([places.state for places in self.places])
+        self._whole = np.empty(plant.num_multibody_states())
+        self._desired: list[FixedInputPortValue | None] = []
+        self._actuation: list[FixedInputPortValue | None] = []
+        for places in self.places:
+            count = len(places.actuators)
+            desired = actuation = None
+            if count:
+                (instance,) = places.instances
+                desired = plant.get_desired_state_input_port(instance).FixValue(self.plant_context, np.zeros(2 * count))
+                actuation = plant.get_actuation_input_port(instance).FixValue(self.plant_context, np.zeros(count))
+            self._desired.append(desired)
+            self._actuation.append(actuation)
+        self._generalized = plant.get_applied_generalized_force_input_port()
+        self._has_pushes = True
+        self.push(())
+
+    def take(self, members: Sequence[int], state: np.ndarray, time: float) -> None:
+        """Let movers take the places, in their order.
+
+        Args:
+            members: The movers' numbers.
+            state: Their ``[q; v]``, one after the other.
+            time: The time (s), a multiple of the step.
+        """
+        self.members = tuple(members)
+        self._whole[self._state] = state
+        self.plant.SetPositionsAndVelocities(self.plant_context, self._whole)
+        self.context.SetTime(time)
+        self.simulator.Initialize(_QUIET)
+        self._attached: dict[tuple[str, str], tuple[float, ...]] = {}
+
+    def state(self) -> np.ndarray:
+        """Return the ``[q; v]`` of the members, one after the other."""
+        state: np.ndarray = self.plant.GetPositionsAndVelocities(self.plant_context)[self._state]
+        return state
+
+    def command(self, place: int, desired: np.ndarray, actuation: np.ndarray) -> None:
+        """Set the set-points of the servos in a place (``[q_d; v_d]``), and the efforts added to them."""
+        one, other = self._desired[place], self._actuation[place]
+        if one is not None and other is not None:
+            one.GetMutableData().get_mutable_value().SetFromVector(desired)
+            other.GetMutableData().get_mutable_value().SetFromVector(actuation)
+
+    def push(self, forces: Sequence[tuple[BodyIndex, ExternallyAppliedSpatialForce]]) -> None:
+        """Apply forces to bodies, and no others.
+
+        Args:
+            forces: The body here, and the force with the body's index elsewhere.
+        """
+        if not forces and not self._has_pushes:
+            return
+        own = []
+        for index, given in forces:
+            force = ExternallyAppliedSpatialForce()
+            force.body_index, force.p_BoBq_B = index, given.p_BoBq_B
+            force.F_Bq_W = SpatialForce(tau=given.F_Bq_W.rotational(), f=given.F_Bq_W.translational())
+            own.append(force)
+        self._pushes.FixValue(self._pushes.get_system().GetMyMutableContextFromRoot(self.context), own)
+        self._has_pushes = bool(own)
+
+    def drive(self, forces: np.ndarray, first: int, elsewhere: Sequence[Places]) -> None:
+        """Apply generalized forces, given in the order of another plant.
+
+        Args:
+            forces: The forces.
+            first: The place of the first velocity in that plant's state.
+            elsewhere: The members' places there.
+        """
+        nq, own = self.plant.num_positions(), np.zeros(self.plant.num_velocities())
+        for places, there in zip(self.places, elsewhere, strict=True):
+            is_velocity = places.state >= nq
+            own[places.state[is_velocity] - nq] = forces[there.state[is_velocity] - first]
+        self._generalized.FixValue(self.plant_context, own)
+
+    def move_surfaces(self, speeds: Mapping[str, float]) -> None:
+        """Move the surfaces of bodies at these speeds (m/s), by their scoped names."""
+        bus = BusValue()
+        for name, speed in speeds.items():
+            bus.Set(name, Value(speed))
+        self.plant.get_surface_speeds_input_port().FixValue(self.plant_context, Value(bus))
+
+    def follow_motors(self, place: int, plant: MultibodyPlant, elsewhere: Places) -> None:
+        """Give the motors in a place the gains and limits that they have in another plant."""
+        for own_instance, instance in zip(self.places[place].instances, elsewhere.instances, strict=True):
+            motors = zip(
+                self.plant.GetJointActuatorIndices(own_instance), plant.GetJointActuatorIndices(instance), strict=True
+            )
+            for own_index, index in motors:
+                own, other = self.plant.get_joint_actuator(own_index), plant.get_joint_actuator(index)
+                if other.has_controller():
+                    own.set_controller_gains(other.get_controller_gains())
+                own.set_effort_limit(other.effort_limit())
+
+    def advance_to(self, time: float) -> None:
+        """Step to a time (s)."""
+        self.simulator.AdvanceTo(time)
+
+    def discard(self) -> None:
+        """Release the diagram, so that its memory can be freed."""
+        release([self.simulator, self.diagram])
+
+    def shapes(self, plant: MultibodyPlant, elsewhere: Sequence[Places]) -> Mapping[GeometryId, GeometryId]:
+        """Return each shape here → the same one in another plant, in which the members have these places."""
+        bodies = [(self.plant.world_body(), plant.world_body())]
+        for places, there in zip(self.places, elsewhere, strict=True):
+            bodies += [
+                (self.plant.get_body(one), plant.get_body(other))
+                for one, other in zip(places.bodies, there.bodies, strict=True)
+            ]
+        found: dict[GeometryId, GeometryId] = {}
+        for body, other in bodies:
+            shapes = zip(
+                self.plant.GetCollisionGeometriesForBody(body), plant.GetCollisionGeometriesForBody(other), strict=True
+            )
+            found.update(shapes)
+        return found
+
+
+def _add_forces(builder: DiagramBuilder, plant: MultibodyPlant) -> InputPort:
+    """Add the moments of tumbling bodies, and return the port for other forces."""
+    moments = add_gyroscopic_moments(builder, plant)
+    port: InputPort = plant.get_applied_spatial_force_input_port()
+    if moments is None:
+        return port
+    both = builder.AddNamedSystem("forces/all", ExternallyAppliedSpatialForceMultiplexer(2))
+    builder.Connect(moments, both.get_input_port(0))
+    builder.Connect(both.get_output_port(), port)
+    pushes: InputPort = both.get_input_port(1)
+    return pushes

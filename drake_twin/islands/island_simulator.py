@@ -1,0 +1,199 @@
+"""A simulator of a diagram whose plant only holds the state: its robots are stepped in islands."""
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from math import inf
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.math import SpatialAcceleration, SpatialForce
+from pydrake.systems.analysis import InitializeParams, Simulator, SimulatorStatus
+from pydrake.systems.framework import Context
+
+from drake_twin.diagram.release import release
+from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.islands.archipelago import Archipelago
+from drake_twin.islands.contacts import Contacts, JoinedContacts
+from drake_twin.islands.island_store import Parameterize
+from drake_twin.scenario import Scenario
+
+_SAME = 1e-6  # steps
+
+
+class IslandSimulator:
+    """Advances a diagram as Drake's Simulator does, with its robots in islands.
+
+    The systems of the diagram do what is due, then the islands step to where something is due next, or forces are read
+    again; then their state is that of the diagram's plant.
+
+    Args:
+        built: The diagram.
+        scenario: Its scenario.
+        parameterize: Sets parameters of an island.
+
+    Attributes:
+        archipelago: The islands.
+    """
+
+    def __init__(self, built: TwinDiagram, scenario: Scenario, parameterize: Parameterize):
+        self._root = Simulator(built.diagram)
+        self._context: Context = self._root.get_mutable_context()
+        self._plant = built.plant
+        self._plant_context = built.plant.GetMyMutableContextFromRoot(self._context)
+        self._time_step = scenario.time_step
+        self._periods = _periods(built, scenario.time_step)
+        self._step = 0
+        threads = scenario.threads or len(os.sched_getaffinity(0))
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self.archipelago = Archipelago(built, scenario, self._context, parameterize, self._pool)
+        assert built.ports.elsewhere is not None, "the plant holds the state"
+        self._ports = built.ports.elsewhere
+        self._ports.solutions = self
+
+    def get_mutable_context(self) -> Context:
+        """Return the root context."""
+        return self._context
+
+    def Initialize(self, params: InitializeParams | None = None) -> SimulatorStatus:
+        """Initialize at the context's time and state."""
+        status = self._root.Initialize() if params is None else self._root.Initialize(params)
+        self._step = int(self._context.get_time() / self._time_step + _SAME)
+        self.archipelago.forget_state()
+        return status
+
+    def AdvanceTo(self, time: float) -> SimulatorStatus:
+        """Advance to a time (s), or to the event at which a controller ends the advance."""
+        last = int(time / self._time_step + _SAME)
+        while True:
+            status = self._do_events()
+            if not status.succeeded():
+                return status
+            target = min(last, self._next_stop())
+            if target > self._step:
+                state = self.archipelago.advance(self._step, target)
+                before = (target - 0.5) * self._time_step
+                if before > self._context.get_time():
+                    self._root.AdvanceTo(before)  # so that what is published at the target has the state of then
+                self._plant.SetPositionsAndVelocities(self._plant_context, state)
+                self._step = target
+            if target >= last:
+                return self._root.AdvanceTo(time)
+            status = self._root.AdvanceTo(target * self._time_step)
+            if not status.succeeded():
+                return status
+
+    def _do_events(self) -> SimulatorStatus:
+        """Do what is due at the present time."""
+        if self._context.get_time() > 0.0:
+            return self._root.AdvancePendingEvents()
+        # At time zero even a plant that holds the state makes a step, which does nothing if all is locked.
+        state = self._plant.GetPositionsAndVelocities(self._plant_context)
+        joints = [self._plant.get_joint(index) for index in self._plant.GetJointIndices()]
+        free = [joint for joint in joints if joint.num_velocities() and not joint.is_locked(self._plant_context)]
+        for joint in free:
+            joint.Lock(self._plant_context)
+        self._plant.SetPositionsAndVelocities(self._plant_context, state)
+        try:
+            return self._root.AdvancePendingEvents()
+        finally:
+            for joint in free:
+                joint.Unlock(self._plant_context)
+            self._plant.SetPositionsAndVelocities(self._plant_context, state)
+
+    def _next_stop(self) -> int:
+        """Return the step at which systems of the diagram are due again, or a frame of the islands ends."""
+        if self.archipelago.inputs.have_forces:
+            return self._step + 1
+        due = [offset + ((self._step - offset) // period + 1) * period for period, offset in self._periods]
+        return min([self.archipelago.next_frame(self._step), *due])
+
+    # What follows from the step to come: the `Solutions` of the diagram.
+
+    def net_actuation(self) -> np.ndarray:
+        """Return the efforts of all actuators (N·m or N)."""
+        efforts = np.zeros(self._plant.num_actuators())
+        for island in self.archipelago.present(self._step):
+            found = island.plant.get_net_actuation_output_port().Eval(island.plant_context)
+            for number, places in zip(island.members, island.places, strict=True):
+                efforts[self.archipelago.movers[number].places.actuators] = found[places.actuators]
+        return efforts
+
+    def body_spatial_accelerations(self) -> list[SpatialAcceleration]:
+        """Return the accelerations of all bodies in the world."""
+        found = [SpatialAcceleration.Zero()] * self._plant.num_bodies()
+        for island in self.archipelago.present(self._step):
+            values = island.plant.get_body_spatial_accelerations_output_port().Eval(island.plant_context)
+            for number, places in zip(island.members, island.places, strict=True):
+                for there, here in zip(self.archipelago.movers[number].places.bodies, places.bodies, strict=True):
+                    found[int(there)] = values[int(here)]
+        return found
+
+    def reaction_forces(self) -> list[SpatialForce]:
+        """Return the reactions in all joints."""
+        found = [SpatialForce.Zero()] * self._plant.num_joints()
+        for island in self.archipelago.present(self._step):
+            values = island.plant.get_reaction_forces_output_port().Eval(island.plant_context)
+            for number, places in zip(island.members, island.places, strict=True):
+                for there, here in zip(self.archipelago.movers[number].places.joints, places.joints, strict=True):
+                    found[there] = values[here]
+        return found
+
+    def contact_results(self) -> JoinedContacts:
+        """Return the contacts in all islands."""
+        joined = []
+        for island in self.archipelago.present(self._step):
+            members = [self.archipelago.movers[number].places for number in island.members]
+            bodies = {
+                int(here): there
+                for elsewhere, places in zip(members, island.places, strict=True)
+                for there, here in zip(elsewhere.bodies, places.bodies, strict=True)
+            }
+            bodies[0] = self._plant.world_body().index()
+            results = island.plant.get_contact_results_output_port().Eval(island.plant_context)
+            joined.append(Contacts(results, bodies, island.shapes(self._plant, members)))
+        return JoinedContacts(joined)
+
+    # What it remembers.
+
+    def state(self) -> dict[str, Any]:
+        """Return what is remembered between two steps beside the robots' state, as plain data."""
+        memory, movers = self.archipelago.memory(), self.archipelago.movers
+        names = [mover.name for mover in movers]
+        return {
+            "groups": [[names[number] for number in group] for group in memory.groups],
+            "until": memory.until,
+            "rested": {name: time for name, time in zip(names, memory.rested, strict=True) if time > 0.0},
+        }
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Set what `state` returned."""
+        names = [mover.name for mover in self.archipelago.movers]
+        groups = tuple(tuple(map(names.index, group)) for group in state["groups"])
+        rested: Sequence[float] = [state["rested"].get(name, 0.0) for name in names]
+        memory = type(self.archipelago.memory())(groups, int(state["until"]), tuple(rested))
+        self.archipelago.remember(memory)
+
+    def discard(self) -> None:
+        """Release all diagrams, so that their memory can be freed."""
+        if self._pool is not None:
+            self._pool.shutdown()
+        self.archipelago.discard()
+        self._ports.solutions = None
+        release([self._root])
+
+
+def _periods(built: TwinDiagram, step: float) -> set[tuple[int, int]]:
+    """Return the periods of what systems of the diagram do, and the offsets of the first time, in steps."""
+    if built.extensions or any(parts.delays for parts in built.parts.values()):
+        return {(1, 0)}
+    found: set[tuple[int, int]] = set()
+    for parts in built.parts.values():
+        setups = [item.setup for item in parts.controllers.values()]
+        for setup in setups:
+            if setup.update_period < inf:
+                steps = max(1, round(setup.update_period / step))
+                found.add((steps, round(setup.update_offset / step) % steps))
+        if parts.gpios is not None:
+            found.add((1, 0))
+    return found
