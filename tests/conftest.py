@@ -29,9 +29,11 @@ if islands := int(os.environ.get("DRAKE_TWIN_TEST_ISLANDS", "0")):
 
     def with_islands(self: Scenario, *args: Any, **kwargs: Any) -> None:
         """Make a scenario with islands, unless its engine has none."""
+        is_plain = type(self) is Scenario and kwargs.get("engine") != CENIC
+        kwargs["islands"] = kwargs.get("islands") or (islands if is_plain else 0)
+        if kwargs.get("engine") == CENIC:
+            kwargs["islands"] = 0
         plain(self, *args, **kwargs)
-        if type(self) is Scenario and self.islands == 0 and self.engine != CENIC:
-            object.__setattr__(self, "islands", islands)
 
     Scenario.__init__ = with_islands  # type: ignore[method-assign]
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, FilterId, GeometrySet, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import DistanceConstraintParams, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, MultibodyConstraintId, RigidBody
@@ -24,6 +25,7 @@ from drake_twin.diagram.cenic_constraints import cenic_has_constraints
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, DISCRETE
+from drake_twin.systems.physics_step import holds_state
 
 _OWN_MODEL = "__model__"
 
@@ -87,6 +89,41 @@ class JointInPlant:
                 plant.SetDistanceConstraintParams(
                     context, rod, DistanceConstraintParams(*ends, _LENGTH, _STIFFNESS, 0.0)
                 )
+
+    def hold(
+        self,
+        plant: MultibodyPlant,
+        scene_graph: SceneGraph,
+        root: Context,
+        X_PC: RigidTransform | None,
+        filter_before: FilterId | None,
+    ) -> FilterId | None:
+        """Keep the child at a pose in the parent's frame, where the two models do not touch, or let it go.
+
+        Args:
+            plant: The plant.
+            scene_graph: Its scene graph.
+            root: The context of their diagram.
+            X_PC: The pose; None to let it go.
+            filter_before: What was returned the last time.
+
+        Returns:
+            The collision filter to give the next time.
+        """
+        if not holds_state(plant):
+            self.set_pose(plant, plant.GetMyMutableContextFromRoot(root), X_PC)
+        filters = scene_graph.collision_filter_manager(scene_graph.GetMyMutableContextFromRoot(root))
+        if filter_before is not None:
+            filters.RemoveDeclaration(filter_before)
+        instances = [body.model_instance() for body in (self.parent, self.child)]
+        if X_PC is None or instances[0] == instances[1]:
+            return None
+        parents, children = (
+            GeometrySet([plant.GetBodyFrameIdOrThrow(index) for index in plant.GetBodyIndices(instance)])
+            for instance in instances
+        )
+        declared: FilterId = filters.ApplyTransient(CollisionFilterDeclaration().ExcludeBetween(parents, children))
+        return declared
 
 
 def add_detachable_joints(

@@ -77,36 +77,56 @@ class Archipelago:
         self._rest = Rest(self.movers, built.plant.num_positions())
         self._pool = pool
         self._tied = _tied(built, self.movers)
+        self._attached: dict[tuple[str, str], tuple[float, ...]] = {}
         self.attachments: Callable[[], Attachments] = dict
         self.islands: list[Island] = []
         self._resting: list[Island] = []  # of movers that rest, and whose forces somebody has asked for
         self._places: list[np.ndarray] = []  # of the members of each island in the plant's state
         self._groups: tuple[tuple[int, ...], ...] = ()
+        self._taken: tuple[tuple[int, ...], ...] | None = None  # those that the islands have
         self._state = np.empty(0)  # as of the last frame; empty if islands do not have it
-        self._until = 0
+        self._until, self._found_at, self._step = 0, -1, 0
+        self._roused: set[int] = set()  # who is moved or acted on by others since the last frame
+        self._changed: set[int] = set()  # whose inputs are not what the islands have
+        self._are_moved = False
         self._frame = max(1, round(_FRAME / scenario.time_step))
 
     # What it remembers.
 
     def memory(self) -> Memory:
-        """Return what is remembered."""
-        return Memory(self._groups, self._until, tuple(self._rest.times.tolist()))
+        """Return what is remembered; groups only if the state alone would not give the same."""
+        is_over = self._until <= self._step or self._found_at == self._step or self._are_moved
+        groups, until = ((), 0) if is_over else (self._groups, self._until)
+        return Memory(groups, until, tuple(self._rest.times.tolist()))
 
     def remember(self, memory: Memory | None) -> None:
         """Continue with what was remembered; None to begin anew."""
         self._groups, self._until = (memory.groups, memory.until) if memory is not None else ((), 0)
+        self._found_at = -1
         self._rest.times = np.array(memory.rested) if memory is not None else np.zeros(len(self.movers))
-        self.forget_state()
-
-    def forget_state(self) -> None:
-        """Know that the state may be another one, for which what is remembered still holds."""
         self._state = np.empty(0)
+
+    def begin(self, step: int) -> None:
+        """Know that the state may be another one, for which what is remembered still holds.
+
+        Args:
+            step: The present step.
+        """
+        self._step, self._state, self._roused, self._are_moved = step, np.empty(0), set(), False
+        self._give_back_resting()
+        self.inputs.read()
+        self._follow_attachments()
+
+    def _give_back_resting(self) -> None:
+        self._store.give_back(self._resting)
+        self._resting = []
 
     def follow_parameters(self, parameters: Mapping[str, Sequence[Any]]) -> None:
         """Simulate with these parameters, other than the files', from now on."""
         self._release(self.islands)
         self._release(self._resting)
-        self.islands, self._resting, self._groups, self._until = [], [], (), 0
+        self.islands, self._resting, self._taken, self._groups, self._until = [], [], None, (), 0
+        self._state = np.empty(0)
         self._store.follow(parameters)
         self._rest.wake(range(len(self.movers)))
 
@@ -133,41 +153,65 @@ class Archipelago:
         for island, places in zip(self.islands, self._places, strict=True):
             self._state[places] = island.state()
         if target == self.next_frame(step):
-            for number in np.flatnonzero(self._rest.pass_time(self._state, self._frame * self._time_step)).tolist():
+            newly = self._rest.pass_time(self._state, self._frame * self._time_step)
+            for number in np.flatnonzero(newly).tolist():
                 self._state[self._rest.velocities(number)] = 0.0
+            if newly.any():
+                self._taken = None  # the islands have other velocities
+        self._step = target
         return self._state
 
     def _settle(self, step: int) -> None:
         """Have each mover that does not rest in an island, with the present state and inputs."""
-        state = self._plant.GetPositionsAndVelocities(self._context)
-        is_known = len(self._state) > 0
-        moved = self._moved(state) if is_known and state.tobytes() != self._state.tobytes() else set()
-        changed = self.inputs.read()
+        state = self._look()
         awake = {number for group in self._groups for number in group}
-        roused = (moved | changed) - awake if self._until > step else set()
-        self._rest.wake(moved | changed)
-        if self._until <= step or moved or roused:
-            self._until = self.next_frame(step)
-            self._take(self._present_groups(state, (self._until - step) * self._time_step), state, step)
-            self.inputs.give(self.islands, None)
-        elif not is_known:
-            self._take(self._groups, state, step)
-            self.inputs.give(self.islands, None)
-        else:
-            self.inputs.give(self.islands, changed)
-        self._state = state
+        roused = self._roused - awake
+        self._rest.wake(self._roused)
+        if self._until <= step or self._are_moved or roused:
+            self._find_groups(state, step)
+        self._roused, self._are_moved = set(), False
+        self._use(state, step)
 
-    def _moved(self, state: np.ndarray) -> set[int]:
-        """Return the movers whose state is not what their island left."""
-        differs = state != self._state
-        return {number for number, mover in enumerate(self.movers) if differs[mover.places.state].any()}
+    def _look(self) -> np.ndarray:
+        """Return the present state; note who was moved by others, or is acted on in another way."""
+        state: np.ndarray = self._plant.GetPositionsAndVelocities(self._context)
+        if len(self._state) and state.tobytes() != self._state.tobytes():
+            differs = state != self._state
+            moved = {number for number, mover in enumerate(self.movers) if differs[mover.places.state].any()}
+            self._roused |= moved
+            self._are_moved = True
+            self._state = np.empty(0)
+        changed = self.inputs.read() | self._follow_attachments()
+        self._roused |= changed
+        self._changed |= changed
+        return state
 
-    def _present_groups(self, state: np.ndarray, duration: float) -> tuple[tuple[int, ...], ...]:
-        """Return the movers of each island for a time (s) to come."""
-        lower, upper = self._extents.swept(state, self._context, duration)
+    def _find_groups(self, state: np.ndarray, step: int) -> None:
+        """Find the movers of each island for the frame of a step."""
+        self._until, self._found_at = self.next_frame(step), step
+        lower, upper = self._extents.swept(state, self._context, (self._until - step) * self._time_step)
         parts = components(lower, upper, self._extents.owners, len(self.movers), self._tied)
         rested = self._rest.rested
-        return tuple(packed([part for part in parts if not rested[part].all()], self._most))
+        self._groups = tuple(packed([part for part in parts if not rested[part].all()], self._most))
+
+    def _use(self, state: np.ndarray, step: int) -> None:
+        """Let the islands have the present state and inputs."""
+        is_known = len(self._state) > 0 and self._taken == self._groups
+        if not is_known:
+            self._take(self._groups, state, step)
+        self.inputs.give(self.islands, self._changed if is_known else None)
+        self.inputs.give(self._resting, self._changed)
+        for island in (*self.islands, *self._resting) if self._tied else ():
+            island.attach(self._attached)
+        self._changed = set()
+        self._state = state
+
+    def _follow_attachments(self) -> set[int]:
+        """Read which joints hold something; return the movers for which that has changed."""
+        if not self._tied:
+            return set()
+        before, self._attached = self._attached, dict(self.attachments())
+        return set() if before == self._attached else {number for pair in self._tied for number in pair}
 
     def _take(self, groups: tuple[tuple[int, ...], ...], state: np.ndarray, step: int) -> None:
         """Let groups of movers take islands; a group that was one before goes on in its island."""
@@ -183,20 +227,22 @@ class Archipelago:
             island.take(ordered, state[places], time)
             self.islands.append(island)
             self._places.append(places)
-        self._groups = groups
+        self._taken = groups
 
     # What follows from the step to come.
 
-    def present(self, step: int, *, everywhere: bool = True) -> list[Island]:
+    def present(self, step: int) -> list[Island]:
         """Return islands of all movers with the present state and inputs, also of those that rest.
+
+        Nothing is different afterwards for the steps to come.
 
         Args:
             step: The present step.
-            everywhere: Whether those that rest are wanted.
         """
-        self._settle(step)
-        if not everywhere:
-            return self.islands
+        state = self._look()
+        if self._until < step or self._are_moved:  # what was found for a frame holds at its end, too
+            self._find_groups(state, step)
+        self._use(state, step)
         awake = {number for group in self._groups for number in group}
         asleep = [number for number in range(len(self.movers)) if number not in awake]
         wanted = self._resting_groups(asleep)
@@ -215,6 +261,8 @@ class Archipelago:
                 new.append(island)
             self._resting.append(island)
         self.inputs.give(new, None)
+        for island in new if self._tied else ():
+            island.attach(self._attached)
         return [*self.islands, *self._resting]
 
     def _resting_groups(self, asleep: Sequence[int]) -> list[tuple[int, ...]]:

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.geometry import GeometryId
+from pydrake.geometry import FilterId, GeometryId, SceneGraphInspector
+from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
     ExternallyAppliedSpatialForce,
@@ -59,6 +60,7 @@ class Island:
         )
         self.detachable_joints: tuple[JointInPlant, ...] = parts.detachable_joints
         self.members: tuple[int, ...] = ()
+        self._held: dict[tuple[str, str], tuple[tuple[float, ...], FilterId | None]] = {}
         self._state = np.concatenate([places.state for places in self.places])
         self._whole = np.empty(plant.num_multibody_states())
         self._desired: list[FixedInputPortValue | None] = []
@@ -89,7 +91,6 @@ class Island:
         self.plant.SetPositionsAndVelocities(self.plant_context, self._whole)
         self.context.SetTime(time)
         self.simulator.Initialize(_QUIET)
-        self._attached: dict[tuple[str, str], tuple[float, ...]] = {}
 
     def state(self) -> np.ndarray:
         """Return the ``[q; v]`` of the members, one after the other."""
@@ -141,6 +142,16 @@ class Island:
             bus.Set(name, Value(speed))
         self.plant.get_surface_speeds_input_port().FixValue(self.plant_context, Value(bus))
 
+    def attach(self, poses: Mapping[tuple[str, str], tuple[float, ...]]) -> None:
+        """Let the joints that come and go hold their children at these poses (3×4, row by row), or let them go."""
+        for joint in self.detachable_joints:
+            name = joint.robot, joint.controller
+            pose, before = poses.get(name, ()), self._held.get(name)
+            if before is None or before[0] != pose:
+                X_PC = RigidTransform(np.array(pose).reshape(3, 4)) if pose else None
+                known = None if before is None else before[1]
+                self._held[name] = pose, joint.hold(self.plant, self.scene_graph, self.context, X_PC, known)
+
     def follow_motors(self, place: int, plant: MultibodyPlant, elsewhere: Places) -> None:
         """Give the motors in a place the gains and limits that they have in another plant."""
         for own_instance, instance in zip(self.places[place].instances, elsewhere.instances, strict=True):
@@ -161,21 +172,37 @@ class Island:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.diagram])
 
-    def shapes(self, plant: MultibodyPlant, elsewhere: Sequence[Places]) -> Mapping[GeometryId, GeometryId]:
-        """Return each shape here → the same one in another plant, in which the members have these places."""
+    def shapes(
+        self, plant: MultibodyPlant, inspector: SceneGraphInspector, elsewhere: Sequence[Places]
+    ) -> Mapping[GeometryId, GeometryId]:
+        """Return each shape here → the same one in another plant.
+
+        A shape is registered once for each kind of partner, and here are fewer of those: all stand for the first.
+
+        Args:
+            plant: The other plant.
+            inspector: Of its shapes.
+            elsewhere: The places of the members there.
+        """
         bodies = [(self.plant.world_body(), plant.world_body())]
         for places, there in zip(self.places, elsewhere, strict=True):
             bodies += [
                 (self.plant.get_body(one), plant.get_body(other))
                 for one, other in zip(places.bodies, there.bodies, strict=True)
             ]
-        found: dict[GeometryId, GeometryId] = {}
+        own, found = self.scene_graph.model_inspector(), {}
         for body, other in bodies:
-            shapes = zip(
-                self.plant.GetCollisionGeometriesForBody(body), plant.GetCollisionGeometriesForBody(other), strict=True
-            )
-            found.update(shapes)
+            shapes = {}
+            for geometry in reversed(plant.GetCollisionGeometriesForBody(other)):
+                shapes[_short(inspector.GetName(geometry))] = geometry
+            for geometry in self.plant.GetCollisionGeometriesForBody(body):
+                found[geometry] = shapes[_short(own.GetName(geometry))]
         return found
+
+
+def _short(name: str) -> str:
+    """Return a shape's name without its model and without the partners that it is for."""
+    return name.rpartition("::")[2].partition("|")[0]
 
 
 def _add_forces(builder: DiagramBuilder, plant: MultibodyPlant) -> InputPort:

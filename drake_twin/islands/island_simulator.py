@@ -39,7 +39,7 @@ class IslandSimulator:
     def __init__(self, built: TwinDiagram, scenario: Scenario, parameterize: Parameterize):
         self._root = Simulator(built.diagram)
         self._context: Context = self._root.get_mutable_context()
-        self._plant = built.plant
+        self._plant, self._inspector = built.plant, built.scene_graph.model_inspector()
         self._plant_context = built.plant.GetMyMutableContextFromRoot(self._context)
         self._time_step = scenario.time_step
         self._periods = _periods(built, scenario.time_step)
@@ -59,7 +59,7 @@ class IslandSimulator:
         """Initialize at the context's time and state."""
         status = self._root.Initialize() if params is None else self._root.Initialize(params)
         self._step = int(self._context.get_time() / self._time_step + _SAME)
-        self.archipelago.forget_state()
+        self.archipelago.begin(self._step)
         return status
 
     def AdvanceTo(self, time: float) -> SimulatorStatus:
@@ -93,6 +93,8 @@ class IslandSimulator:
         free = [joint for joint in joints if joint.num_velocities() and not joint.is_locked(self._plant_context)]
         for joint in free:
             joint.Lock(self._plant_context)
+        for constraint in self._plant.GetConstraintIds():
+            self._plant.SetConstraintActiveStatus(self._plant_context, constraint, False)
         self._plant.SetPositionsAndVelocities(self._plant_context, state)
         try:
             return self._root.AdvancePendingEvents()
@@ -151,7 +153,7 @@ class IslandSimulator:
             }
             bodies[0] = self._plant.world_body().index()
             results = island.plant.get_contact_results_output_port().Eval(island.plant_context)
-            joined.append(Contacts(results, bodies, island.shapes(self._plant, members)))
+            joined.append(Contacts(results, bodies, island.shapes(self._plant, self._inspector, members)))
         return JoinedContacts(joined)
 
     # What it remembers.

@@ -73,11 +73,13 @@ def movers_of(built: TwinDiagram, inspector: SceneGraphInspector) -> list[Mover]
     plant = built.plant
     found = [(plan.name, True, (built.robots[plan.name].instance,)) for plan in built.plans]
     found += [(name, False, instances) for name, instances in built.world_models.items()]
+    tied = {int(body.model_instance()) for joint in built.detachable_joints for body in (joint.parent, joint.child)}
     movers = []
     for name, is_robot, instances in found:
         places = places_of(plant, instances)
-        if places.state.size:
-            movers.append(Mover(name, is_robot, places, _kind(plant, inspector, name, places)))
+        if places.bodies:
+            kind = name if tied.intersection(map(int, instances)) else _kind(plant, inspector, name, places)
+            movers.append(Mover(name, is_robot, places, kind))
     return movers
 
 

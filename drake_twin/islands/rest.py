@@ -1,6 +1,6 @@
 """Which movers have come to rest, so that what they stand in need not be stepped."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -25,18 +25,18 @@ class Rest:
     """
 
     def __init__(self, movers: Sequence[Mover], first: int):
-        self._movers = movers
         places = [mover.places.state[mover.places.state >= first] for mover in movers]
         self._velocities = places
-        self._starts = np.cumsum([0, *map(len, places)])[:-1]
-        self._every = np.concatenate(places) if places else np.empty(0, dtype=int)
-        self._has_none = np.array([not len(own) for own in places], dtype=bool)
+        self._can_move = np.array([len(own) > 0 for own in places], dtype=bool)
+        moving = [own for own in places if len(own)]
+        self._starts = np.cumsum([0, *map(len, moving)])[:-1]
+        self._every = np.concatenate(moving) if moving else np.empty(0, dtype=int)
         self.times = np.zeros(len(movers))
 
     @property
     def rested(self) -> np.ndarray:
         """Which movers have been still for long enough, shape (movers,)."""
-        rested: np.ndarray = self.times >= UNTIL_REST
+        rested: np.ndarray = (self.times >= UNTIL_REST) | ~self._can_move
         return rested
 
     def wake(self, numbers: Collection[int]) -> None:
@@ -47,20 +47,12 @@ class Rest:
         """Count for a time (s), after which the plant's state is this; return which movers have come to rest now."""
         before = self.rested
         if len(self._every):
-            fastest = np.maximum.reduceat(np.abs(state[self._every]), self._starts)
-            still = fastest < STILL
-            self.times = np.where(still, np.minimum(self.times + duration, UNTIL_REST), 0.0)
+            still = np.maximum.reduceat(np.abs(state[self._every]), self._starts) < STILL
+            times = np.minimum(self.times[self._can_move] + duration, UNTIL_REST)
+            self.times[self._can_move] = np.where(still, times, 0.0)
         rested: np.ndarray = self.rested & ~before
         return rested
 
     def velocities(self, number: int) -> np.ndarray:
         """Return the places of a mover's velocities in the plant's state."""
         return self._velocities[number]
-
-    def state(self) -> dict[str, float]:
-        """Return for how long movers have been still, as plain data; those that move are left out."""
-        return {mover.name: float(time) for mover, time in zip(self._movers, self.times, strict=True) if time > 0.0}
-
-    def set_state(self, times: Mapping[str, float]) -> None:
-        """Set what `state` returned."""
-        self.times = np.array([times.get(mover.name, 0.0) for mover in self._movers])

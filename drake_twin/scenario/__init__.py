@@ -289,7 +289,7 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     for name in ("islands", "threads"):
         if not 0 <= getattr(scenario, name) <= 1000:
             yield (name,), f"{getattr(scenario, name)} is not a number from 0 to 1000"
-    if scenario.islands and scenario.engine == CENIC and False:
+    if scenario.islands and scenario.engine == CENIC:
         yield ("islands",), f"the engine {CENIC} has all robots in one plant: use {DISCRETE}, or no islands"
     if scenario.seed < 0:
         yield ("seed",), f"{scenario.seed} is below zero"

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from pydrake.geometry import CollisionFilterDeclaration, FilterId, GeometrySet
+from pydrake.geometry import FilterId
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.detachable_joint import Attachment, DetachableJoint
@@ -50,6 +50,14 @@ class DetachableJoints:
             if isinstance(item, DetachableJoint)
         ]
         self.is_empty = not self._joints
+
+    def attachments(self) -> dict[tuple[str, str], tuple[float, ...]]:
+        """Return robot and controller of each joint → the child's pose in the parent's frame; empty if it is loose."""
+        return {
+            (joint.in_plant.robot, joint.in_plant.controller): joint.pose or ()
+            for joint in self._joints
+            if joint.in_plant is not None
+        }
 
     def forget(self) -> None:
         """Know that the context has its default values."""
@@ -108,23 +116,7 @@ class DetachableJoints:
             return
         joint.pose = memory.pose
         X_PC = RigidTransform(np.array(memory.pose).reshape(3, 4)) if memory.pose else None
-        joint.in_plant.set_pose(self._built.plant, self._plant_context, X_PC)
-        self._filter(joint, joint.in_plant, is_attached=X_PC is not None)
-
-    def _filter(self, joint: _Joint, in_plant: JointInPlant, *, is_attached: bool) -> None:
-        scene_graph = self._built.scene_graph
-        filters = scene_graph.collision_filter_manager(scene_graph.GetMyMutableContextFromRoot(self._root))
-        if joint.filter is not None:
-            filters.RemoveDeclaration(joint.filter)
-            joint.filter = None
-        instances = [body.model_instance() for body in (in_plant.parent, in_plant.child)]
-        if is_attached and instances[0] != instances[1]:
-            parents, children = map(self._shapes, instances)
-            joint.filter = filters.ApplyTransient(CollisionFilterDeclaration().ExcludeBetween(parents, children))
-
-    def _shapes(self, instance: ModelInstanceIndex) -> GeometrySet:
-        plant = self._built.plant
-        return GeometrySet([plant.GetBodyFrameIdOrThrow(index) for index in plant.GetBodyIndices(instance)])
+        joint.filter = joint.in_plant.hold(self._built.plant, self._built.scene_graph, self._root, X_PC, joint.filter)
 
     def _present_pose(self, joint: _Joint) -> tuple[float, ...]:
         assert joint.in_plant is not None, "it is attached"

@@ -160,6 +160,8 @@ class Physics:
         self._late = LateMeasurements(self.built, self.context)
         self._late.start()
         self.detachable_joints = DetachableJoints(self.built, self.context)
+        if self.islands is not None:
+            self.islands.archipelago.attachments = self.detachable_joints.attachments
         plant = self.built.plant
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]

@@ -29,6 +29,7 @@ _OPTIONAL = {
     "to_be_fixed",
     "wind",
     "touching",
+    "islands",
 }
 
 
