@@ -138,22 +138,21 @@ def _anchors(plant: MultibodyPlant, inspector: SceneGraphInspector, number: int,
         q = body.floating_positions_start() if is_free else None
         v = nq + body.floating_velocities_start_in_v() if is_free else None
         found.append(_anchor(number, index, q, v, lower, upper))
-    world = plant.world_body().index()
-    for joint in below.get(world, ()):
-        child = joint.child_body()
-        lower, upper = _box(plant, inspector, child.index(), below)
-        if not (lower <= upper).all():
-            continue
-        # Its frame moves: what bounds it is a box in the world if the joint turns, and the body's own if it slides.
-        found.append(_anchor(number, child.index(), None, None, lower, upper))
+    for joint in below.get(plant.world_body().index(), ()):
+        body = joint.child_body()
+        while not plant.GetCollisionGeometriesForBody(body) and len(below.get(body.index(), ())) == 1:
+            body = below[body.index()][0].child_body()  # what a planar base moves is a body, and no way of its joints
+        lower, upper = _box(plant, inspector, body.index(), below)
+        if (lower <= upper).all():
+            found.append(_anchor(number, body.index(), None, None, lower, upper))
     return found
 
 
 def _anchor(number: int, body: BodyIndex, q: int | None, v: int | None, lower: np.ndarray, upper: np.ndarray) -> Anchor:
-    half = (upper - lower) / 2
-    center = np.where(np.isfinite(half), (upper + lower) / 2, 0.0)
-    corner = np.abs(center) + np.where(np.isfinite(half), half, 0.0)
-    radius = float(np.linalg.norm(corner)) if np.isfinite(half).all() else inf
+    if not np.isfinite(lower).all():
+        return Anchor(number, body, q, v, np.zeros(3), np.full(3, inf), inf)
+    center, half = (upper + lower) / 2, (upper - lower) / 2
+    radius = float(np.linalg.norm(np.abs(center) + half))
     return Anchor(number, body, q, v, center, half, radius)
 
 
@@ -208,9 +207,9 @@ def _hanging(
 
 
 def _moved(X: RigidTransform, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    center, half = (lower + upper) / 2, (upper - lower) / 2
-    if not np.isfinite(half).all():
+    if not np.isfinite(lower).all():
         return np.full(3, -inf), np.full(3, inf)
+    center, half = (lower + upper) / 2, (upper - lower) / 2
     middle = X.rotation().matrix() @ center + X.translation()
     reach = np.abs(X.rotation().matrix()) @ half
     return middle - reach, middle + reach

@@ -7,6 +7,7 @@ from math import inf
 from typing import Any
 
 import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, Role
 from pydrake.multibody.math import SpatialAcceleration, SpatialForce
 from pydrake.systems.analysis import InitializeParams, Simulator, SimulatorStatus
 from pydrake.systems.framework import Context
@@ -39,7 +40,8 @@ class IslandSimulator:
     def __init__(self, built: TwinDiagram, scenario: Scenario, parameterize: Parameterize):
         self._root = Simulator(built.diagram)
         self._context: Context = self._root.get_mutable_context()
-        self._plant, self._inspector = built.plant, built.scene_graph.model_inspector()
+        self._plant, self._scene_graph = built.plant, built.scene_graph
+        self._inspector = built.scene_graph.model_inspector()
         self._plant_context = built.plant.GetMyMutableContextFromRoot(self._context)
         self._time_step = scenario.time_step
         self._periods = _periods(built, scenario.time_step)
@@ -87,21 +89,27 @@ class IslandSimulator:
         """Do what is due at the present time."""
         if self._context.get_time() > 0.0:
             return self._root.AdvancePendingEvents()
-        # At time zero even a plant that holds the state makes a step, which does nothing if all is locked.
-        state = self._plant.GetPositionsAndVelocities(self._plant_context)
-        joints = [self._plant.get_joint(index) for index in self._plant.GetJointIndices()]
-        free = [joint for joint in joints if joint.num_velocities() and not joint.is_locked(self._plant_context)]
+        # At time zero even a plant that holds the state makes a step: of nothing, if all is locked and touches nothing.
+        plant, own = self._plant, self._plant_context
+        state = plant.GetPositionsAndVelocities(own)
+        joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        free = [joint for joint in joints if joint.num_velocities() and not joint.is_locked(own)]
         for joint in free:
-            joint.Lock(self._plant_context)
-        for constraint in self._plant.GetConstraintIds():
-            self._plant.SetConstraintActiveStatus(self._plant_context, constraint, False)
-        self._plant.SetPositionsAndVelocities(self._plant_context, state)
+            joint.Lock(own)
+        for constraint in plant.GetConstraintIds():
+            plant.SetConstraintActiveStatus(own, constraint, False)
+        plant.SetPositionsAndVelocities(own, state)
+        shapes = GeometrySet(list(self._inspector.GetAllGeometryIds(Role.kProximity)))
+        scene_graph = self._scene_graph.GetMyMutableContextFromRoot(self._context)
+        filters = self._scene_graph.collision_filter_manager(scene_graph)
+        declared = filters.ApplyTransient(CollisionFilterDeclaration().ExcludeWithin(shapes))
         try:
             return self._root.AdvancePendingEvents()
         finally:
+            filters.RemoveDeclaration(declared)
             for joint in free:
-                joint.Unlock(self._plant_context)
-            self._plant.SetPositionsAndVelocities(self._plant_context, state)
+                joint.Unlock(own)
+            plant.SetPositionsAndVelocities(own, state)
 
     def _next_stop(self) -> int:
         """Return the step at which systems of the diagram are due again, or a frame of the islands ends."""
