@@ -6,7 +6,6 @@ import sys
 from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
-from typing import Any
 
 import hypothesis
 import pytest
@@ -23,19 +22,8 @@ sys.dont_write_bytecode = False
 # Programs follow a closed terminal, unless `nohup` has started them: here it may have started the tests.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
-# `DRAKE_TWIN_TEST_ISLANDS=1 pytest`: every twin of this process has its robots in islands of so many.
-if islands := int(os.environ.get("DRAKE_TWIN_TEST_ISLANDS", "0")):
-    plain = Scenario.__init__
-
-    def with_islands(self: Scenario, *args: Any, **kwargs: Any) -> None:
-        """Make a scenario with islands, unless its engine has none."""
-        is_plain = type(self) is Scenario and kwargs.get("engine") != CENIC
-        kwargs["islands"] = kwargs.get("islands") or (islands if is_plain else 0)
-        if kwargs.get("engine") == CENIC:
-            kwargs["islands"] = 0
-        plain(self, *args, **kwargs)
-
-    Scenario.__init__ = with_islands  # type: ignore[method-assign]
+# `DRAKE_TWIN_TEST_ISLANDS=1 pytest`: twins of this process have their robots in islands of so many, as `--islands 1`.
+ISLANDS = int(os.environ.get("DRAKE_TWIN_TEST_ISLANDS", "0"))
 
 # The same cases in each run: other ones are a search, for which a seed is given.
 hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None)
@@ -50,6 +38,18 @@ CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
 OF_SOURCES = ["test_distributions.py", "test_mutants.py"]
 IN_CHECKOUT = (Path(__file__).parent.parent / "drake_twin" / "__init__.py").is_file()
 collect_ignore = [] if IN_CHECKOUT else OF_SOURCES
+
+
+@pytest.fixture(autouse=bool(ISLANDS))
+def islands_everywhere(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put robots into islands, but for tests that let Drake step the plant itself."""
+    if request.node.get_closest_marker("one_plant") is None:
+
+        def most(scenario: Scenario) -> int:
+            chosen = ISLANDS if scenario.islands is None else scenario.islands
+            return 0 if scenario.engine == CENIC else chosen
+
+        monkeypatch.setattr(Scenario, "most_in_an_island", property(most))
 
 
 def pytest_report_header() -> str | None:

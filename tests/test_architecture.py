@@ -33,6 +33,7 @@ ROOMS = [
     ["wires"],
     ["nodes"],
     ["twin"],
+    ["islands"],
     ["diagram"],
     ["planning"],
     ["controllers"],

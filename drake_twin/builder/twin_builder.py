@@ -48,6 +48,8 @@ class TwinBuilder:
         seed: What the noise of sensors is drawn from.
         sensor_noise: Whether sensors have the noise that their files give them.
         clock_rate: The rate of ``/clock`` (Hz); 0 for each physics step.
+        islands: How many robots share a plant where they are far from others; 0 for one plant, None for the default.
+        threads: How many threads step islands; 0 for one on each core.
     """
 
     def __init__(
@@ -60,7 +62,10 @@ class TwinBuilder:
         seed: int = 0,
         sensor_noise: bool = True,
         clock_rate: float = 0.0,
+        islands: int | None = None,
+        threads: int = 0,
     ):
+        self._islands, self._threads = islands, threads
         self._clock_rate = float(clock_rate)
         self._seed, self._sensor_noise = seed, sensor_noise
         self._engine, self._accuracy = engine, float(accuracy)
@@ -289,6 +294,8 @@ class TwinBuilder:
             sensor_noise=self._sensor_noise,
             nodes=tuple(self._nodes),
             clock_rate=self._clock_rate,
+            islands=self._islands,
+            threads=self._threads,
         )
 
     def build(self, meshcat: Meshcat | None = None) -> Twin:

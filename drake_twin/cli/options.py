@@ -129,6 +129,14 @@ def _add_time(group: argparse._ArgumentGroup) -> None:
         "--clock-rate", type=float, metavar="HZ", help="the rate of /clock (default: each physics step, as in Gazebo)"
     )
     group.add_argument(
+        "--islands",
+        type=int,
+        metavar="N",
+        help="how many robots share a plant where they are far from others, and what rests costs nothing"
+        " (default: 8 beside more than eight robots; 0: one plant for all)",
+    )
+    group.add_argument("--threads", type=int, metavar="N", help="how many threads step islands (default: each core)")
+    group.add_argument(
         "--real-time-rate",
         type=float,
         metavar="R",

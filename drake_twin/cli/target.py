@@ -120,7 +120,7 @@ def _with_options(target: Target, options: argparse.Namespace, commands: tuple[C
         scenario = _in_world(scenario, options.world, own_step=own_step)
     if options.engine == CENIC and target.file is None:
         scenario = replace(scenario, time_step=max(scenario.time_step, _GRID_OF_CENIC))
-    for name in ("engine", "accuracy", "time_step", "clock_rate", "seed"):
+    for name in ("engine", "accuracy", "time_step", "clock_rate", "seed", "islands", "threads"):
         if (value := getattr(options, name)) is not None:
             scenario = replace(scenario, **{name: value})
     if options.no_sensor_noise:
@@ -148,8 +148,8 @@ def _saved(options: argparse.Namespace) -> Target:
         raise InputError(
             f"{option} defines what is run: it cannot be combined with a target, or options of robots, world and steps"
         )
-    if options.engine is not None or options.accuracy is not None or options.clock_rate is not None or options.pub:
-        what = "it cannot be combined with --engine, --accuracy, --clock-rate or --pub"
+    if options.pub or {options.engine, options.accuracy, options.clock_rate, options.islands} != {None}:
+        what = "it cannot be combined with --engine, --accuracy, --clock-rate, --islands or --pub"
         raise InputError(f"{option} continues as it was saved: {what}")
     if options.node:
         raise InputError(f"{option} continues as it was saved, with its nodes: it cannot be combined with --node")

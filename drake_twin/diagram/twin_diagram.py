@@ -206,7 +206,7 @@ def build_twin_diagram(
         world_file = world_of(scenario.world, packages)
     builder = DiagramBuilder()
     try:
-        parts = add_plant(builder, scenario, plans, world_file, known_gains, holds_state=scenario.islands > 0)
+        parts = add_plant(builder, scenario, plans, world_file, known_gains, holds_state=scenario.most_in_an_island > 0)
         renderer = LazyRenderer() if known is None else known.renderer
         return _build(builder, scenario, meshcat, parts, plans, world_file, extensions, renderer)
     except BaseException:
@@ -342,19 +342,12 @@ def _add_robot(
     topics: Topics,
     surroundings: SensorSurroundings,
 ) -> RobotDiagram:
-    plant, in_plant = parts.plant, parts.robots[plan.name]
+    in_plant = parts.robots[plan.name]
     instance, layout = in_plant.instance, in_plant.layout
     robot = build_robot_diagram(plan, surroundings, in_plant)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     if layout.num_actuators:
-        inputs = {"desired_state": plant.get_desired_state_input_port, "actuation": plant.get_actuation_input_port}
-        for name, port in inputs.items():
-            if system.HasOutputPort(name):
-                builder.Connect(system.GetOutputPort(name), port(instance))
-                if parts.ports.elsewhere is not None:
-                    builder.Connect(
-                        system.GetOutputPort(name), parts.ports.elsewhere.GetInputPort(f"{plan.name}/{name}")
-                    )
+        parts.ports.connect_motors(builder, system, instance)
     for name, output in robot.plant_inputs.items():
         builder.Connect(output, system.GetInputPort(name))
     publish_robot(plan, robot, system, topics, in_plant, surroundings.time_step)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -67,7 +68,7 @@ class Archipelago:
         parameterize: Parameterize,
         pool: ThreadPoolExecutor | None,
     ):
-        self._plant, self._most, self._time_step = built.plant, scenario.islands, scenario.time_step
+        self._plant, self._most, self._time_step = built.plant, scenario.most_in_an_island, scenario.time_step
         self._context = built.plant.GetMyMutableContextFromRoot(root)
         inspector = built.scene_graph.model_inspector()
         self.movers: list[Mover] = movers_of(built, inspector)
@@ -114,7 +115,8 @@ class Archipelago:
         """
         self._step, self._state, self._roused, self._are_moved = step, np.empty(0), set(), False
         self._give_back_resting()
-        self.inputs.read()
+        with suppress(Exception):  # of a user's system, which the next step raises again
+            self.inputs.read()
         self._follow_attachments()
 
     def _give_back_resting(self) -> None:

@@ -88,7 +88,7 @@ class Island:
         """
         self.members = tuple(members)
         self._whole[self._state] = state
-        self.plant.SetPositionsAndVelocities(self.plant_context, self._whole)
+        self.plant_context.SetDiscreteState(self._whole)
         self.context.SetTime(time)
         self.simulator.Initialize(_QUIET)
 

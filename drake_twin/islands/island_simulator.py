@@ -77,7 +77,7 @@ class IslandSimulator:
                 before = (target - 0.5) * self._time_step
                 if before > self._context.get_time():
                     self._root.AdvanceTo(before)  # so that what is published at the target has the state of then
-                self._plant.SetPositionsAndVelocities(self._plant_context, state)
+                self._plant_context.SetDiscreteState(state)  # also one that is not finite, which the twin tells
                 self._step = target
             if target >= last:
                 return self._root.AdvanceTo(time)
@@ -98,7 +98,7 @@ class IslandSimulator:
             joint.Lock(own)
         for constraint in plant.GetConstraintIds():
             plant.SetConstraintActiveStatus(own, constraint, False)
-        plant.SetPositionsAndVelocities(own, state)
+        own.SetDiscreteState(state)
         shapes = GeometrySet(list(self._inspector.GetAllGeometryIds(Role.kProximity)))
         scene_graph = self._scene_graph.GetMyMutableContextFromRoot(self._context)
         filters = self._scene_graph.collision_filter_manager(scene_graph)
@@ -109,7 +109,7 @@ class IslandSimulator:
             filters.RemoveDeclaration(declared)
             for joint in free:
                 joint.Unlock(own)
-            plant.SetPositionsAndVelocities(own, state)
+            own.SetDiscreteState(state)
 
     def _next_stop(self) -> int:
         """Return the step at which systems of the diagram are due again, or a frame of the islands ends."""

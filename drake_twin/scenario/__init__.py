@@ -30,6 +30,8 @@ CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
 DISCRETE, CENIC = "discrete", "cenic"
 ENGINES = (DISCRETE, CENIC)
 
+_IN_AN_ISLAND = 8  # robots that share a plant beside others: each step has a cost of its own, and more cost more each
+
 # Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
 SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
 LONGEST_DELAY = 1.0  # s, of which all steps are kept
@@ -220,7 +222,7 @@ class Scenario:
         retune: Whether servo gains follow `values` instead, as if the files had them.
         clock_rate: The rate of ``/clock`` (Hz); 0 for each physics step, as Gazebo Sim publishes it.
         islands: How many robots and moving models of the world share a plant, if they may touch no others; 0 for one
-            plant that has all.
+            plant that has all. None for 8 beside more than eight robots in discrete steps, and else for one plant.
         threads: How many threads step islands; 0 for one on each core. The states are the same for any number.
 
     Raises:
@@ -244,12 +246,19 @@ class Scenario:
     pushes: tuple[Push, ...] = ()
     retune: bool = False
     clock_rate: float = 0.0
-    islands: int = 0
+    islands: int | None = None
     threads: int = 0
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
             raise ScenarioError(path, message)
+
+    @property
+    def most_in_an_island(self) -> int:
+        """How many robots and moving models share a plant if they may touch no others; 0 for one plant of all."""
+        if self.islands is not None:
+            return self.islands
+        return _IN_AN_ISLAND if len(self.robots) > _IN_AN_ISLAND and self.engine == DISCRETE else 0
 
 
 class ScenarioError(InputError):
@@ -287,7 +296,7 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     if not 0 <= scenario.clock_rate <= 1 / SHORTEST_STEP:
         yield ("clock_rate",), f"{scenario.clock_rate:g} Hz is out of bounds: valid are 0 to {1 / SHORTEST_STEP:g} Hz"
     for name in ("islands", "threads"):
-        if not 0 <= getattr(scenario, name) <= 1000:
+        if not 0 <= (getattr(scenario, name) or 0) <= 1000:
             yield (name,), f"{getattr(scenario, name)} is not a number from 0 to 1000"
     if scenario.islands and scenario.engine == CENIC:
         yield ("islands",), f"the engine {CENIC} has all robots in one plant: use {DISCRETE}, or no islands"

@@ -8,7 +8,7 @@ from pydrake.common.value import AbstractValue, Value
 from pydrake.multibody.math import SpatialAcceleration, SpatialForce
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import BasicVector, Context, OutputPort
+from pydrake.systems.framework import BasicVector, Context, Diagram, DiagramBuilder, OutputPort
 
 from drake_twin.systems.physics_step import holds_state
 from drake_twin.systems.weak_callback import weakly
@@ -122,6 +122,25 @@ class PlantPorts:
 
     def __init__(self, plant: MultibodyPlant, elsewhere: StepsElsewhere | None = None):
         self.plant, self.elsewhere = plant, elsewhere
+
+    def connect_motors(self, builder: DiagramBuilder, robot: Diagram, instance: ModelInstanceIndex) -> None:
+        """Connect a robot's ``desired_state``, and its ``actuation`` if it has one, to its motors.
+
+        Args:
+            builder: The builder of the root diagram.
+            robot: The robot's diagram, named as the robot.
+            instance: Its model instance, with at least one actuator.
+        """
+        ports = {
+            "desired_state": self.plant.get_desired_state_input_port(instance),
+            "actuation": self.plant.get_actuation_input_port(instance),
+        }
+        for name, port in ports.items():
+            if robot.HasOutputPort(name):
+                builder.Connect(robot.GetOutputPort(name), port)
+                if self.elsewhere is not None:
+                    own = self.elsewhere.GetInputPort(f"{robot.get_name()}/{name}")
+                    builder.Connect(robot.GetOutputPort(name), own)
 
     def net_actuation(self, instance: ModelInstanceIndex | None = None) -> OutputPort:
         """Return the port with the efforts of all actuators, or of a model instance's (N·m or N)."""

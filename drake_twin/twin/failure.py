@@ -14,7 +14,8 @@ from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, 
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError, described
 from drake_twin.findings import first_of
-from drake_twin.twin.physics import ABSURD, Moment
+from drake_twin.twin.moment import Moment
+from drake_twin.twin.physics import ABSURD
 
 _MOST_NAMED = 3  # joints named in a message
 _NOTABLE = 100.0  # rad/s² or m/s²: smaller accelerations do not make a step fail

@@ -7,7 +7,7 @@ rebuilt, every state is transferred by name, and the old diagram is released, so
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import inf
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -17,7 +17,7 @@ from pydrake.multibody.tree import QuaternionFloatingJoint
 from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
 
-from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.controllers.stateful_controller import StatefulController
 from drake_twin.diagram.applied_forces import follow_masses, wrench_port
 from drake_twin.diagram.gyroscopic_moments import follow_inertias
 from drake_twin.diagram.release import release
@@ -30,17 +30,17 @@ from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.detachable_joints import DetachableJoints
 from drake_twin.twin.entity_state import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
-from drake_twin.twin.late_measurements import LateMeasurements, Past
+from drake_twin.twin.late_measurements import LateMeasurements
+from drake_twin.twin.moment import Moment
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.pull import Pull
 from drake_twin.twin.pushes import settled_pushes
+from drake_twin.twin.same_robot import is_same_robot
 from drake_twin.twin.state import read_robot_state
 from drake_twin.twin.varied_parameters import varied_parameters
 
 if TYPE_CHECKING:
-    from drake_twin.islands.archipelago import Memory
-    from drake_twin.islands.island import Island
     from drake_twin.islands.island_simulator import IslandSimulator
 
 # Longer than the longest grid (s): a limit that is met except for rounding leaves a step of 1e-16 s. In such a step the
@@ -50,51 +50,10 @@ ABSURD = 1e12  # rad, m, rad/s or m/s
 _SAME_TIME = 1e-9  # s
 
 
-class Moment(NamedTuple):  # made before each advance, in a third of the time that a dataclass takes
-    """The content of a diagram's context between two steps, to return to after a failed step.
+def _island_simulator(built: TwinDiagram, scenario: Scenario) -> "IslandSimulator":
+    from drake_twin.twin.island_physics import island_simulator
 
-    Attributes:
-        time: The time (s).
-        state: The plant's ``[q; v]``.
-        samples: The sample of each stateful controller, in the order of their contexts; None if no step changes it.
-        past: The past of each measurement delay.
-        islands: What the islands remember; None without islands.
-    """
-
-    time: float
-    state: np.ndarray
-    samples: list[Sample | None]
-    past: Past
-    islands: "Memory | None" = None
-
-
-def is_same_robot(plan: RobotPlan, other: RobotPlan | None) -> bool:
-    """Return whether two plans are of one robot, which may be welded to another place, or have other parameters."""
-    if other is None or plan is other:
-        return plan is other
-    if has_other_parameters(plan, other):
-        return True
-    robot, there = plan.robot, other.robot
-    return plan.model.is_fixed and replace(robot, xyz=there.xyz, rpy=there.rpy) == there
-
-
-def has_other_parameters(plan: RobotPlan, other: RobotPlan) -> bool:
-    """Return whether two plans are of one robot at one place, whose controllers have other parameters."""
-    robot, there = plan.robot, other.robot
-    return robot != there and replace(robot, controller_parameters=there.controller_parameters) == there
-
-
-def _island_simulator(built: TwinDiagram, scenario: Scenario) -> "IslandSimulator | None":
-    if not scenario.islands:
-        return None
-    from drake_twin.islands.island_simulator import IslandSimulator
-
-    def parameterize(island: "Island", parameters: Mapping[str, Sequence[Any]]) -> None:
-        own = PlantParameters(island.plant, island.scene_graph, island.context)
-        own.put(island.context, parameters, leave_out_unknown=True)
-        follow_inertias(island.diagram, island.plant, island.context)
-
-    return IslandSimulator(built, scenario, parameterize)
+    return island_simulator(built, scenario)
 
 
 class Physics:
@@ -127,8 +86,10 @@ class Physics:
         plans: Iterable[RobotPlan] = (),
         extensions: Sequence[Extension] = (),
     ):
+        if extensions and scenario.islands is None:  # a user's systems may need the one plant
+            scenario = replace(scenario, islands=0)
         self.built = build_twin_diagram(scenario, meshcat, known, plans, extensions)
-        self.islands = _island_simulator(self.built, scenario)
+        self.islands = _island_simulator(self.built, scenario) if scenario.most_in_an_island else None
         self.simulator = self.islands or Simulator(self.built.diagram)
         if scenario.engine == CENIC:
             configuration = SimulatorConfig(
@@ -138,6 +99,7 @@ class Physics:
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
         self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
+        self._followed: Mapping[str, Sequence[Any]] = {}  # the parameters that the islands have
         self._time_step = scenario.time_step
         self.use(scenario)
         self.gains = (
@@ -259,7 +221,7 @@ class Physics:
         self.detachable_joints.forget()
         if self.islands is not None:
             self.islands.archipelago.remember(None)
-            self._follow_parameters()
+            self.look_at_parameters()
 
     def use(self, scenario: Scenario) -> None:
         """Start with the values and pushes of a scenario from now on.
@@ -290,12 +252,13 @@ class Physics:
         if self._parameters.put(self.context, parameters, leave_out_unknown=leave_out_unknown):
             follow_inertias(self.built.diagram, self.built.plant, self.context)
             follow_masses(self.built.diagram, self.built.plant, self.context)
-            self._follow_parameters()
+            self.look_at_parameters()
 
-    def _follow_parameters(self) -> None:
-        """Let the islands have the parameters of the context."""
-        if self.islands is not None:
-            self.islands.archipelago.follow_parameters(self._parameters.changed(self.context))
+    def look_at_parameters(self) -> None:
+        """Let the islands have the parameters of the context, which a user may have changed by Drake's own methods."""
+        if self.islands is not None and (parameters := self._parameters.changed(self.context)) != self._followed:
+            self._followed = parameters
+            self.islands.archipelago.follow_parameters(parameters)
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""

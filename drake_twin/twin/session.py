@@ -28,10 +28,11 @@ from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
 from drake_twin.twin.owner import Owner
 from drake_twin.twin.parameter_changes import ParameterChanges
-from drake_twin.twin.physics import Physics, has_other_parameters, is_same_robot
+from drake_twin.twin.physics import Physics
 from drake_twin.twin.reactions import Reactions
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.rosout import TwinLog, log_of
+from drake_twin.twin.same_robot import has_other_parameters, is_same_robot
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions

@@ -14,7 +14,7 @@ from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import CENIC
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.inbox import Inbox
-from drake_twin.twin.physics import Moment
+from drake_twin.twin.moment import Moment
 from drake_twin.twin.schedule import ScheduledCommand, step_at
 from drake_twin.twin.session import Session
 
@@ -75,6 +75,7 @@ class Stepper:
             self.refuse_inside_callback("advance")
         self._is_advancing = True
         session, clock = self._session, self._session.clock
+        session.physics.look_at_parameters()
         start = clock.step * clock.time_step
         end = target * clock.time_step if time is None else time
         try:

@@ -91,6 +91,7 @@ def test_the_vector_ports_of_a_robot_are_its_state():
     assert whole[4:7].tolist() == list(state.base_pose[:3])
 
 
+@pytest.mark.one_plant
 @pytest.mark.parametrize("model", [ROVER, ARM])
 def test_the_diagram_runs_in_a_simulator_of_her_own(model):
     twin = TwinBuilder().robot("r", model, xyz=(0, 0, 0.13)).build()

@@ -52,6 +52,7 @@ def test_another_suffix_is_refused(tmp_path):
 READY_MADE = sorted({*share_folder("diagrams").glob("*.yaml"), *share_folder("diagrams").glob("*.launch.*")})
 
 
+@pytest.mark.one_plant
 @pytest.mark.parametrize("file", READY_MADE, ids=lambda file: file.name)
 def test_the_pictures_in_diagrams_are_up_to_date(file):
     """Draw them anew with: python -m drake_twin.run diagrams/FILE --graphviz diagrams/NAME.svg"""

@@ -105,6 +105,7 @@ def test_a_wedge_has_feet_in_its_corners_and_in_the_middle_of_each_side_that_it_
         assert away.min() == pytest.approx(0.005 * 0.05, rel=1e-4)
 
 
+@pytest.mark.one_plant
 def test_on_a_plane_a_box_stands_on_five_points_and_on_a_block_on_its_faces(tmp_path):
     """The block is below the plane, so that only one of them is touched."""
     text = (
