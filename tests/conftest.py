@@ -40,16 +40,22 @@ IN_CHECKOUT = (Path(__file__).parent.parent / "drake_twin" / "__init__.py").is_f
 collect_ignore = [] if IN_CHECKOUT else OF_SOURCES
 
 
-@pytest.fixture(autouse=bool(ISLANDS))
-def islands_everywhere(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Put robots into islands, but for tests that let Drake step the plant itself."""
-    if request.node.get_closest_marker("one_plant") is None:
+if ISLANDS:
+    in_one_plant: list[bool] = []
 
-        def most(scenario: Scenario) -> int:
-            chosen = ISLANDS if scenario.islands is None else scenario.islands
-            return 0 if scenario.engine == CENIC else chosen
+    def most(scenario: Scenario) -> int:
+        """Return how many share an island, in tests that do not let Drake step the plant itself."""
+        if in_one_plant or scenario.engine == CENIC:
+            return 0
+        return ISLANDS if scenario.islands is None else scenario.islands
 
-        monkeypatch.setattr(Scenario, "most_in_an_island", property(most))
+    Scenario.most_in_an_island = property(most)  # type: ignore[method-assign,assignment]
+
+    @pytest.fixture(autouse=True)
+    def _one_plant(request: pytest.FixtureRequest) -> Generator[None]:
+        in_one_plant.extend([True] * (request.node.get_closest_marker("one_plant") is not None))
+        yield
+        in_one_plant.clear()
 
 
 def pytest_report_header() -> str | None:

@@ -66,12 +66,14 @@ def leaf_systems(diagram):
             yield system
 
 
+@pytest.mark.one_plant
 def test_no_python_runs_in_a_physics_step():
     twin = driving(2)
     short, long = python_calls(twin, 0.2), python_calls(twin, 1.2)
     assert sum(long.values()) == sum(short.values()) < 60
 
 
+@pytest.mark.one_plant
 def test_a_physics_step_is_one_discrete_update_of_the_plant_and_nothing_else():
     """An unrestricted update would copy all systems' states, and ask each for its witness functions."""
     twin = driving(2)
@@ -90,6 +92,7 @@ def test_a_physics_step_is_one_discrete_update_of_the_plant_and_nothing_else():
     assert twin._session.physics.simulator.get_num_publishes() == 0
 
 
+@pytest.mark.one_plant
 def test_a_controller_that_samples_is_updated_at_its_rate_and_no_oftener(tmp_path):
     (tmp_path / "c.yaml").write_text(TRAJECTORIES)
     twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
@@ -164,6 +167,7 @@ def test_no_system_lets_drake_look_for_witness_functions():
                 assert issubclass(kind, WitnesslessSystem), kind
 
 
+@pytest.mark.one_plant
 @pytest.mark.parametrize("data", [[3.0] * 4, np.full(4, 3.0)], ids=["list", "array"])
 def test_a_command_takes_few_calls_of_python(data):
     twin = driving(2)
@@ -222,6 +226,7 @@ def test_a_tick_makes_few_objects_for_each_robot():
     assert (made[5] - made[1]) / 4 < 24
 
 
+@pytest.mark.one_plant
 def test_a_robot_has_few_systems_and_the_twin_few_besides():
     systems = {count: [type(system).__name__ for system in leaf_systems(driving(count).diagram)] for count in (1, 3)}
     assert len(systems[3]) - len(systems[1]) == 2 * 3

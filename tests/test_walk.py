@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import pytest
 from conftest import rovers
 
 import drake_twin
@@ -30,6 +31,7 @@ def walk(*calls):
     return entered
 
 
+@pytest.mark.one_plant
 def test_a_published_number_reaches_its_port_in_few_calls():
     twin = rovers(1).build()
     twin.publish(TOPIC, [1.0, 1.0, 1.0, 1.0])  # the first of its kind is looked at more closely

@@ -36,8 +36,7 @@ from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
-from drake_twin.systems.physics_step import held
-from drake_twin.systems.plant_ports import PlantPorts, StepsElsewhere
+from drake_twin.systems.plant_ports import PlantPorts, StepsElsewhere, held
 
 if TYPE_CHECKING:
     from drake_twin.control.submerged import Solid

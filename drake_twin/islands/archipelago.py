@@ -14,7 +14,7 @@ from drake_twin.islands.inputs import Inputs
 from drake_twin.islands.island import Island
 from drake_twin.islands.island_store import IslandStore, Parameterize
 from drake_twin.islands.mover import Mover, movers_of
-from drake_twin.islands.partition import components, packed
+from drake_twin.islands.partition import components, packed, touched
 from drake_twin.islands.rest import Rest
 from drake_twin.scenario import Scenario
 
@@ -90,6 +90,7 @@ class Archipelago:
         self._roused: set[int] = set()  # who is moved or acted on by others since the last frame
         self._changed: set[int] = set()  # whose inputs are not what the islands have
         self._are_moved = False
+        self._are_prepared = False
         self._frame = max(1, round(_FRAME / scenario.time_step))
 
     # What it remembers.
@@ -115,6 +116,11 @@ class Archipelago:
         """
         self._step, self._state, self._roused, self._are_moved = step, np.empty(0), set(), False
         self._give_back_resting()
+        self._extents.forget()
+        if not self._are_prepared:  # so that what cannot be built is told at the start
+            self._are_prepared = True
+            state = self._plant.GetPositionsAndVelocities(self._context)
+            self._take(self._groups_of(state, self._frame * self._time_step), state, step)
         with suppress(Exception):  # of a user's system, which the next step raises again
             self.inputs.read()
         self._follow_attachments()
@@ -191,10 +197,20 @@ class Archipelago:
     def _find_groups(self, state: np.ndarray, step: int) -> None:
         """Find the movers of each island for the frame of a step."""
         self._until, self._found_at = self.next_frame(step), step
-        lower, upper = self._extents.swept(state, self._context, (self._until - step) * self._time_step)
-        parts = components(lower, upper, self._extents.owners, len(self.movers), self._tied)
+        if self._are_moved:
+            self._extents.forget()
+        self._groups = self._groups_of(state, (self._until - step) * self._time_step)
+
+    def _groups_of(self, state: np.ndarray, duration: float) -> tuple[tuple[int, ...], ...]:
         rested = self._rest.rested
-        self._groups = tuple(packed([part for part in parts if not rested[part].all()], self._most))
+        lower, upper, rows = self._extents.swept(state, self._context, duration, ~rested)
+        owners = self._extents.owners
+        numbers = np.flatnonzero(~rested)
+        if len(numbers) < len(rested) and (self._tied or rested[owners[touched(lower, upper, rows)]].any()):
+            # What rests beside something that moves may hold up others that rest.
+            rows, numbers = np.arange(len(owners)), np.arange(len(rested))
+        parts = components(lower, upper, owners, rows, numbers.tolist(), self._tied)
+        return tuple(packed([part for part in parts if not rested[part].all()], self._most))
 
     def _use(self, state: np.ndarray, step: int) -> None:
         """Let the islands have the present state and inputs."""
@@ -270,11 +286,10 @@ class Archipelago:
     def _resting_groups(self, asleep: Sequence[int]) -> list[tuple[int, ...]]:
         if not asleep:
             return []
-        lower, upper = self._extents.swept(self._state, self._context, 0.0)
-        chosen = np.isin(self._extents.owners, asleep)
-        parts = components(lower[chosen], upper[chosen], self._extents.owners[chosen], len(self.movers), self._tied)
-        sleepers = set(asleep)
-        return packed([part for part in parts if part[0] in sleepers], self._most)
+        none = np.zeros(len(self.movers), dtype=bool)
+        lower, upper, _ = self._extents.swept(self._state, self._context, 0.0, none)
+        rows = np.flatnonzero(np.isin(self._extents.owners, asleep))
+        return packed(components(lower, upper, self._extents.owners, rows, asleep, self._tied), self._most)
 
     def _release(self, islands: Iterable[Island]) -> None:
         for island in islands:

@@ -12,7 +12,7 @@ class Contacts(NamedTuple):
     """The contacts in an island, and what its bodies and shapes are elsewhere."""
 
     results: ContactResults
-    bodies: Mapping[int, BodyIndex]
+    bodies: Mapping[BodyIndex, BodyIndex]
     shapes: Mapping[GeometryId, GeometryId]
 
 
@@ -37,7 +37,7 @@ class JoinedContacts:
             for info in map(results.point_pair_contact_info, range(results.num_point_pair_contacts())):
                 pair = info.point_pair()
                 named = _Renamed(pair, id_A=shapes[pair.id_A], id_B=shapes[pair.id_B])
-                A, B = bodies[int(info.bodyA_index())], bodies[int(info.bodyB_index())]
+                A, B = bodies[info.bodyA_index()], bodies[info.bodyB_index()]
                 point = _Renamed(
                     info,
                     point_pair=lambda named=named: named,

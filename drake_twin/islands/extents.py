@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.geometry import SceneGraphInspector
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, Joint, QuaternionFloatingJoint
+from pydrake.multibody.tree import BodyIndex, Joint, JointIndex, QuaternionFloatingJoint
 from pydrake.systems.framework import Context
 
 from drake_twin.dataclass import dataclass
@@ -60,91 +60,150 @@ class Extents:
         anchors = [
             anchor for number, mover in enumerate(movers) for anchor in _anchors(plant, inspector, number, mover)
         ]
+        self._anchors = anchors
         self.owners = np.array([anchor.mover for anchor in anchors], dtype=int)
-        self._center = np.array([anchor.center for anchor in anchors]).reshape(-1, 3)
-        self._half = np.array([anchor.half for anchor in anchors]).reshape(-1, 3)
-        self._radius = np.array([anchor.radius for anchor in anchors])
-        self._free = np.array([index for index, anchor in enumerate(anchors) if anchor.q is not None], dtype=int)
-        self._others = [(index, anchor.body) for index, anchor in enumerate(anchors) if anchor.q is None]
-        starts = [(anchor.q, anchor.v) for anchor in anchors if anchor.q is not None and anchor.v is not None]
-        self._q = np.add.outer(np.array([q for q, _ in starts], dtype=int), np.arange(7))
-        self._v = np.add.outer(np.array([v for _, v in starts], dtype=int), np.arange(6))
+        self._lower, self._upper = np.zeros((len(anchors), 3)), np.zeros((len(anchors), 3))
+        self._moving = np.zeros(0, dtype=bool)
+        self._rows = _Rows(anchors, np.arange(len(anchors)))
 
-    def swept(self, state: np.ndarray, context: Context, duration: float) -> tuple[np.ndarray, np.ndarray]:
+    def swept(
+        self, state: np.ndarray, context: Context, duration: float, moving: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the lower and upper corners of the boxes that the movers stay in for a time, each shape (boxes, 3).
 
         Args:
             state: The plant's ``[q; v]``.
             context: The plant's context with this state.
             duration: The time (s).
+            moving: Which movers may move, shape (movers,); the others are where they were before.
+
+        Returns:
+            The corners, and the boxes of those that may move.
         """
-        count = len(self.owners)
-        R, p, speed = np.empty((count, 3, 3)), np.empty((count, 3)), np.zeros(count)
+        if moving.tobytes() != self._moving.tobytes():
+            everyone = _Rows(self._anchors, np.arange(len(self._anchors)))
+            self._lower, self._upper = everyone.swept(self._plant, state, context, 0.0)
+            self._moving, self._rows = moving.copy(), _Rows(self._anchors, np.flatnonzero(moving[self.owners]))
+        rows = self._rows.rows
+        self._lower[rows], self._upper[rows] = self._rows.swept(self._plant, state, context, duration)
+        return self._lower, self._upper, rows
+
+    def forget(self) -> None:
+        """Know that those that do not move may be elsewhere."""
+        self._moving = np.zeros(0, dtype=bool)
+
+
+class _Rows:
+    """Some of the boxes, as arrays."""
+
+    def __init__(self, anchors: Sequence[Anchor], rows: np.ndarray):
+        self.rows = rows
+        own = [anchors[row] for row in rows.tolist()]
+        self._center = np.array([anchor.center for anchor in own]).reshape(-1, 3, 1)
+        half = np.array([anchor.half for anchor in own]).reshape(-1, 3, 1)
+        self._radius = np.array([anchor.radius for anchor in own])
+        self._arms = np.where(np.isfinite(self._radius), self._radius, 0.0)
+        self._is_endless = ~np.isfinite(self._radius)
+        self._half = np.where(np.isfinite(half), half, 0.0)
+        self._free = np.array([index for index, anchor in enumerate(own) if anchor.q is not None], dtype=int)
+        self._are_free = len(self._free) == len(own)
+        self._others = [(index, anchor.body) for index, anchor in enumerate(own) if anchor.q is None]
+        starts = [(anchor.q, anchor.v) for anchor in own if anchor.q is not None and anchor.v is not None]
+        self._q = np.add.outer(np.array([q for q, _ in starts], dtype=int), np.arange(7))
+        self._v = np.add.outer(np.array([v for _, v in starts], dtype=int), np.arange(6))
+
+    def swept(
+        self, plant: MultibodyPlant, state: np.ndarray, context: Context, duration: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the corners of the boxes for a time (s)."""
         q, v = state[self._q], state[self._v]
-        R[self._free], p[self._free] = _rotations(q[:, :4]), q[:, 4:]
-        speed[self._free] = _lengths(v[:, 3:]) + _lengths(v[:, :3]) * self._radius[self._free]
-        for index, body_index in self._others:
-            body = self._plant.get_body(body_index)
-            X_WB, V_WB = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)
-            R[index], p[index] = X_WB.rotation().matrix(), X_WB.translation()
-            turning = float(np.linalg.norm(V_WB.rotational()))
-            speed[index] = np.linalg.norm(V_WB.translational()) + (turning * self._radius[index] if turning else 0.0)
-        center = p + np.einsum("nij,nj->ni", R, self._center)
-        reach = np.einsum("nij,nj->ni", np.abs(R), np.where(np.isfinite(self._half), self._half, 0.0))
-        reach[~np.isfinite(self._half).all(axis=1)] = inf
+        R, p = _rotations(q[:, :4]), q[:, 4:]
+        turning, moving = (np.sqrt((part * part).sum(axis=1)) for part in (v[:, :3], v[:, 3:]))
+        if not self._are_free:
+            R, p, turning, moving = self._with_others(plant, context, R, p, turning, moving)
+        reach = (np.abs(R) @ self._half)[:, :, 0]
+        speed = moving + turning * self._arms
         reach += (speed * duration + MARGIN)[:, np.newaxis]
+        reach[self._is_endless] = inf
+        center = p + (R @ self._center)[:, :, 0]
         return center - reach, center + reach
 
-
-def _lengths(vectors: np.ndarray) -> np.ndarray:
-    lengths: np.ndarray = np.sqrt(np.einsum("ni,ni->n", vectors, vectors))
-    return lengths
+    def _with_others(
+        self,
+        plant: MultibodyPlant,
+        context: Context,
+        R: np.ndarray,
+        p: np.ndarray,
+        turning: np.ndarray,
+        moving: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the poses and speeds of all boxes, given those of the free ones."""
+        count = len(self.rows)
+        rotations, places, speeds = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty((2, count))
+        rotations[self._free], places[self._free], speeds[:, self._free] = R, p, (turning, moving)
+        for index, body_index in self._others:
+            body = plant.get_body(body_index)
+            X_WB, V_WB = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)
+            rotations[index], places[index] = X_WB.rotation().matrix(), X_WB.translation()
+            speeds[:, index] = np.linalg.norm(V_WB.rotational()), np.linalg.norm(V_WB.translational())
+        return rotations, places, speeds[0], speeds[1]
 
 
 def _rotations(quaternions: np.ndarray) -> np.ndarray:
-    """Return the rotation matrices of quaternions (w, x, y, z) of any length."""
-    w, x, y, z = (quaternions / _lengths(quaternions)[:, np.newaxis]).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
+    """Return the rotation matrices of quaternions (w, x, y, z) of any length, shape (quaternions, 3, 3)."""
+    scaled = quaternions * np.sqrt(2.0 / (quaternions * quaternions).sum(axis=1))[:, np.newaxis]
+    products = scaled[:, :, np.newaxis] * scaled[:, np.newaxis, :]
+    R: np.ndarray = (products.reshape(-1, 16) @ _PRODUCTS + _ONES).reshape(-1, 3, 3)
+    return R
+
+
+def _table() -> np.ndarray:
+    """Return what each product of two elements of a quaternion, of length √2, adds to each element of its matrix."""
+    w, x, y, z = range(4)
+    sums = {
+        (0, 0): ((-1, y, y), (-1, z, z)),
+        (0, 1): ((1, x, y), (-1, w, z)),
+        (0, 2): ((1, x, z), (1, w, y)),
+        (1, 0): ((1, x, y), (1, w, z)),
+        (1, 1): ((-1, x, x), (-1, z, z)),
+        (1, 2): ((1, y, z), (-1, w, x)),
+        (2, 0): ((1, x, z), (-1, w, y)),
+        (2, 1): ((1, y, z), (1, w, x)),
+        (2, 2): ((-1, x, x), (-1, y, y)),
+    }
+    table = np.zeros((16, 9))
+    for (row, column), terms in sums.items():
+        for sign, one, other in terms:
+            table[4 * one + other, 3 * row + column] += sign
+    return table
+
+
+_PRODUCTS, _ONES = _table(), np.eye(3).ravel()
 
 
 def _anchors(plant: MultibodyPlant, inspector: SceneGraphInspector, number: int, mover: Mover) -> list[Anchor]:
-    joints = [
-        plant.get_joint(index) for instance in mover.places.instances for index in plant.GetJointIndices(instance)
-    ]
     below: Mapping[BodyIndex, list[Joint]] = defaultdict(list)
-    children = set()
-    floating = set()
-    for joint in joints:
-        if joint.type_name() == QuaternionFloatingJoint.kTypeName and joint.parent_body() is plant.world_body():
-            floating.add(joint.child_body().index())
-            continue
-        below[joint.parent_body().index()].append(joint)
-        children.add(joint.child_body().index())
-    found = []
-    nq = plant.num_positions()
-    for index in mover.places.bodies:
-        body = plant.get_body(index)
-        if index in children:
-            continue
-        lower, upper = _box(plant, inspector, index, below)
-        if not (lower <= upper).all():
-            continue  # it has no shape
-        is_free = body.is_floating_base_body() and body.has_quaternion_dofs()
-        q = body.floating_positions_start() if is_free else None
-        v = nq + body.floating_velocities_start_in_v() if is_free else None
-        found.append(_anchor(number, index, q, v, lower, upper))
-    for joint in below.get(plant.world_body().index(), ()):
+    hanging = set()
+    world = plant.world_body().index()
+    for joint in map(plant.get_joint, map(JointIndex, mover.places.joints)):
+        if joint.parent_body().index() != world or joint.type_name() != QuaternionFloatingJoint.kTypeName:
+            below[joint.parent_body().index()].append(joint)
+            hanging.add(joint.child_body().index())
+    starts = [index for index in mover.places.bodies if index not in hanging]
+    for joint in below.get(world, ()):
         body = joint.child_body()
         while not plant.GetCollisionGeometriesForBody(body) and len(below.get(body.index(), ())) == 1:
             body = below[body.index()][0].child_body()  # what a planar base moves is a body, and no way of its joints
-        lower, upper = _box(plant, inspector, body.index(), below)
-        if (lower <= upper).all():
-            found.append(_anchor(number, body.index(), None, None, lower, upper))
+        starts.append(body.index())
+    boxes = _boxes(plant, inspector, starts, below)
+    found = []
+    for index in starts:
+        body, (lower, upper) = plant.get_body(index), boxes[index]
+        if (lower <= upper).all():  # else it has no shape
+            is_free = body.is_floating_base_body() and body.has_quaternion_dofs()
+            q = body.floating_positions_start() if is_free else None
+            v = plant.num_positions() + body.floating_velocities_start_in_v() if is_free else None
+            found.append(_anchor(number, index, q, v, lower, upper))
     return found
 
 
@@ -156,30 +215,46 @@ def _anchor(number: int, body: BodyIndex, q: int | None, v: int | None, lower: n
     return Anchor(number, body, q, v, center, half, radius)
 
 
-def _box(
-    plant: MultibodyPlant, inspector: SceneGraphInspector, index: BodyIndex, below: Mapping[BodyIndex, list[Joint]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners of the box, in a body's frame, of its shapes and of all that hangs on it."""
+def _boxes(
+    plant: MultibodyPlant,
+    inspector: SceneGraphInspector,
+    starts: Sequence[BodyIndex],
+    below: Mapping[BodyIndex, list[Joint]],
+) -> dict[BodyIndex, tuple[np.ndarray, np.ndarray]]:
+    """Return the corners of the box, in each body's frame, of its shapes and of all that hangs on it."""
+    order = list(starts)
+    for index in order:
+        order += [joint.child_body().index() for joint in below.get(index, ())]
+    boxes: dict[BodyIndex, tuple[np.ndarray, np.ndarray]] = {}
+    for index in reversed(order):
+        lower, upper = _own_box(plant, inspector, index)
+        for joint in below.get(index, ()):
+            least, most = _hanging(joint, *boxes[joint.child_body().index()])
+            lower, upper = np.minimum(lower, least), np.maximum(upper, most)
+        boxes[index] = lower, upper
+    return boxes
+
+
+def _own_box(plant: MultibodyPlant, inspector: SceneGraphInspector, index: BodyIndex) -> tuple[np.ndarray, np.ndarray]:
     lower, upper = np.full(3, inf), np.full(3, -inf)
-    body = plant.get_body(index)
-    for geometry in plant.GetCollisionGeometriesForBody(body):
+    for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index)):
         box = inspector.GetObbInGeometryFrame(geometry)
         if box is None:
             return np.full(3, -inf), np.full(3, inf)
         X_BO = inspector.GetPoseInFrame(geometry) @ box.pose()
         reach = np.abs(X_BO.rotation().matrix()) @ box.half_width()
         lower, upper = np.minimum(lower, X_BO.translation() - reach), np.maximum(upper, X_BO.translation() + reach)
-    for joint in below.get(index, ()):
-        least, most = _hanging(plant, inspector, joint, below)
-        lower, upper = np.minimum(lower, least), np.maximum(upper, most)
     return lower, upper
 
 
-def _hanging(
-    plant: MultibodyPlant, inspector: SceneGraphInspector, joint: Joint, below: Mapping[BodyIndex, list[Joint]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners of the box, in the frame of a joint's parent, of all that the joint moves."""
-    lower, upper = _box(plant, inspector, joint.child_body().index(), below)
+def _hanging(joint: Joint, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the corners of the box, in the frame of a joint's parent, of all that the joint moves.
+
+    Args:
+        joint: The joint.
+        lower: The lower corner of the box of its child, in the child's frame.
+        upper: The upper one.
+    """
     if not (lower <= upper).all():
         return lower, upper
     X_BM = joint.frame_on_child().GetFixedPoseInBodyFrame()

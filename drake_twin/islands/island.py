@@ -172,9 +172,22 @@ class Island:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.diagram])
 
+    def bodies(self, plant: MultibodyPlant, elsewhere: Sequence[Places]) -> dict[BodyIndex, BodyIndex]:
+        """Return each body here → the same one in another plant, in which the members have these places."""
+        found = {
+            here: index
+            for places, there in zip(self.places, elsewhere, strict=True)
+            for here, index in zip(places.bodies, there.bodies, strict=True)
+        }
+        for body in map(self.plant.get_body, map(BodyIndex, range(self.plant.num_bodies()))):
+            if body.index() not in found:  # what does not move: the world, and all of its static shapes
+                instance = plant.GetModelInstanceByName(self.plant.GetModelInstanceName(body.model_instance()))
+                found[body.index()] = plant.GetBodyByName(body.name(), instance).index()
+        return found
+
     def shapes(
-        self, plant: MultibodyPlant, inspector: SceneGraphInspector, elsewhere: Sequence[Places]
-    ) -> Mapping[GeometryId, GeometryId]:
+        self, plant: MultibodyPlant, inspector: SceneGraphInspector, bodies: Mapping[BodyIndex, BodyIndex]
+    ) -> dict[GeometryId, GeometryId]:
         """Return each shape here → the same one in another plant.
 
         A shape is registered once for each kind of partner, and here are fewer of those: all stand for the first.
@@ -182,20 +195,14 @@ class Island:
         Args:
             plant: The other plant.
             inspector: Of its shapes.
-            elsewhere: The places of the members there.
+            bodies: What `bodies` returned for it.
         """
-        bodies = [(self.plant.world_body(), plant.world_body())]
-        for places, there in zip(self.places, elsewhere, strict=True):
-            bodies += [
-                (self.plant.get_body(one), plant.get_body(other))
-                for one, other in zip(places.bodies, there.bodies, strict=True)
-            ]
         own, found = self.scene_graph.model_inspector(), {}
-        for body, other in bodies:
+        for here, there in bodies.items():
             shapes = {}
-            for geometry in reversed(plant.GetCollisionGeometriesForBody(other)):
+            for geometry in reversed(plant.GetCollisionGeometriesForBody(plant.get_body(there))):
                 shapes[_short(inspector.GetName(geometry))] = geometry
-            for geometry in self.plant.GetCollisionGeometriesForBody(body):
+            for geometry in self.plant.GetCollisionGeometriesForBody(self.plant.get_body(here)):
                 found[geometry] = shapes[_short(own.GetName(geometry))]
         return found
 

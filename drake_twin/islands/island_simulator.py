@@ -14,7 +14,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.diagram.release import release
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.islands.archipelago import Archipelago
+from drake_twin.islands.archipelago import Archipelago, Memory
 from drake_twin.islands.contacts import Contacts, JoinedContacts
 from drake_twin.islands.island_store import Parameterize
 from drake_twin.scenario import Scenario
@@ -46,6 +46,7 @@ class IslandSimulator:
         self._time_step = scenario.time_step
         self._periods = _periods(built, scenario.time_step)
         self._step = 0
+        self._is_ahead = False  # whether the step of the present time is made already
         threads = scenario.threads or len(os.sched_getaffinity(0))
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.archipelago = Archipelago(built, scenario, self._context, parameterize, self._pool)
@@ -60,7 +61,8 @@ class IslandSimulator:
     def Initialize(self, params: InitializeParams | None = None) -> SimulatorStatus:
         """Initialize at the context's time and state."""
         status = self._root.Initialize() if params is None else self._root.Initialize(params)
-        self._step = int(self._context.get_time() / self._time_step + _SAME)
+        self._step = int(self._context.get_time() / self._time_step + _SAME) + self._is_ahead
+        self._is_ahead = False
         self.archipelago.begin(self._step)
         return status
 
@@ -70,6 +72,7 @@ class IslandSimulator:
         while True:
             status = self._do_events()
             if not status.succeeded():
+                self._step_at_once()
                 return status
             target = min(last, self._next_stop())
             if target > self._step:
@@ -84,6 +87,12 @@ class IslandSimulator:
             status = self._root.AdvanceTo(target * self._time_step)
             if not status.succeeded():
                 return status
+
+    def _step_at_once(self) -> None:
+        """Make the step of the present time, as Drake's plant does at the event that ends an advance."""
+        if self._context.get_time() >= self._step * self._time_step:  # else the step is still to come
+            self._plant_context.SetDiscreteState(self.archipelago.advance(self._step, self._step + 1))
+            self._is_ahead = True
 
     def _do_events(self) -> SimulatorStatus:
         """Do what is due at the present time."""
@@ -154,14 +163,9 @@ class IslandSimulator:
         joined = []
         for island in self.archipelago.present(self._step):
             members = [self.archipelago.movers[number].places for number in island.members]
-            bodies = {
-                int(here): there
-                for elsewhere, places in zip(members, island.places, strict=True)
-                for there, here in zip(elsewhere.bodies, places.bodies, strict=True)
-            }
-            bodies[0] = self._plant.world_body().index()
+            bodies = island.bodies(self._plant, members)
             results = island.plant.get_contact_results_output_port().Eval(island.plant_context)
-            joined.append(Contacts(results, bodies, island.shapes(self._plant, self._inspector, members)))
+            joined.append(Contacts(results, bodies, island.shapes(self._plant, self._inspector, bodies)))
         return JoinedContacts(joined)
 
     # What it remembers.
@@ -176,13 +180,17 @@ class IslandSimulator:
             "rested": {name: time for name, time in zip(names, memory.rested, strict=True) if time > 0.0},
         }
 
+    def remember(self, memory: Memory | None) -> None:
+        """Continue with what the archipelago remembered; None to begin anew."""
+        self._is_ahead = False
+        self.archipelago.remember(memory)
+
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Set what `state` returned."""
         names = [mover.name for mover in self.archipelago.movers]
         groups = tuple(tuple(map(names.index, group)) for group in state["groups"])
         rested: Sequence[float] = [state["rested"].get(name, 0.0) for name in names]
-        memory = type(self.archipelago.memory())(groups, int(state["until"]), tuple(rested))
-        self.archipelago.remember(memory)
+        self.remember(Memory(groups, int(state["until"]), tuple(rested)))
 
     def discard(self) -> None:
         """Release all diagrams, so that their memory can be freed."""

@@ -6,7 +6,12 @@ import numpy as np
 
 
 def components(
-    lower: np.ndarray, upper: np.ndarray, owners: np.ndarray, count: int, tied: Iterable[tuple[int, int]] = ()
+    lower: np.ndarray,
+    upper: np.ndarray,
+    owners: np.ndarray,
+    rows: np.ndarray,
+    numbers: Iterable[int],
+    tied: Iterable[tuple[int, int]] = (),
 ) -> list[list[int]]:
     """Return the movers whose boxes hang together, each group in order, the groups by their first.
 
@@ -14,10 +19,14 @@ def components(
         lower: The lower corners of the boxes, shape (boxes, 3).
         upper: Their upper corners.
         owners: The number of each box's mover.
-        count: How many movers there are.
+        rows: The boxes that are looked at.
+        numbers: The movers that are looked at, also those without a box.
         tied: Pairs that belong together wherever they are.
     """
-    roots = list(range(count))
+    own = owners[rows]
+    meet = ((lower[rows][:, np.newaxis] <= upper[rows]) & (upper[rows][:, np.newaxis] >= lower[rows])).all(axis=2)
+    ones, others = np.nonzero(meet)
+    roots = {number: number for number in numbers}
 
     def root(number: int) -> int:
         while roots[number] != number:
@@ -25,18 +34,24 @@ def components(
             number = roots[number]
         return number
 
-    meet = np.ones((len(owners), len(owners)), dtype=bool)
-    for axis in range(3):
-        meet &= lower[:, np.newaxis, axis] <= upper[np.newaxis, :, axis]
-    meet &= meet.T
-    ones, others = np.nonzero(np.triu(meet, 1))
-    for one, other in [*zip(owners[ones].tolist(), owners[others].tolist(), strict=True), *tied]:
-        first, second = sorted((root(one), root(other)))
-        roots[second] = first
+    is_pair = ones < others
+    pairs = [*zip(own[ones[is_pair]].tolist(), own[others[is_pair]].tolist(), strict=True)]
+    for one, other in [*pairs, *tied]:
+        if one in roots and other in roots:
+            first, second = sorted((root(one), root(other)))
+            roots[second] = first
     found: dict[int, list[int]] = {}
-    for number in range(count):
+    for number in sorted(roots):
         found.setdefault(root(number), []).append(number)
     return list(found.values())
+
+
+def touched(lower: np.ndarray, upper: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return which boxes meet one of some boxes, shape (boxes,); those themselves do."""
+    meets: np.ndarray = (
+        ((lower[rows][:, np.newaxis] <= upper) & (upper[rows][:, np.newaxis] >= lower)).all(axis=2).any(axis=0)
+    )
+    return meets
 
 
 def packed(parts: Sequence[Sequence[int]], most: int) -> list[tuple[int, ...]]:

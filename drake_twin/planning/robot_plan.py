@@ -1,5 +1,6 @@
 """The plan of a robot: what the twin starts of its files, ready to be built."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from drake_twin.dataclass import dataclass
@@ -105,3 +106,19 @@ class RobotPlan:
     def base_frame(self) -> str:
         """The frame of the root link."""
         return self.frame_prefix + self.description.root_link
+
+
+def is_same_robot(plan: RobotPlan, other: RobotPlan | None) -> bool:
+    """Return whether two plans are of one robot, which may be welded to another place, or have other parameters."""
+    if other is None or plan is other:
+        return plan is other
+    if has_other_parameters(plan, other):
+        return True
+    robot, there = plan.robot, other.robot
+    return plan.model.is_fixed and replace(robot, xyz=there.xyz, rpy=there.rpy) == there
+
+
+def has_other_parameters(plan: RobotPlan, other: RobotPlan) -> bool:
+    """Return whether two plans are of one robot at one place, whose controllers have other parameters."""
+    robot, there = plan.robot, other.robot
+    return robot != there and replace(robot, controller_parameters=there.controller_parameters) == there

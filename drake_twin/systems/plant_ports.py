@@ -1,4 +1,8 @@
-"""The plant's output ports whose values follow from the step to come: efforts, accelerations, reactions, contacts."""
+"""A plant's steps, and its output ports that follow from the step to come: efforts, accelerations, reactions, contacts.
+
+A plant may only hold the state of robots that are stepped elsewhere. Drake's Simulator steps each discrete plant of its
+diagram: one whose period is so long that its second step never comes is left alone.
+"""
 
 from collections.abc import Mapping
 from typing import Any, Protocol
@@ -10,9 +14,30 @@ from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import BasicVector, Context, Diagram, DiagramBuilder, OutputPort
 
-from drake_twin.systems.physics_step import holds_state
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
+
+_NEVER = 2.0**40  # a step of 50 µs becomes 1.7 years
+
+
+def held(time_step: float) -> float:
+    """Return the period of a plant that holds the state of robots that are stepped elsewhere.
+
+    Args:
+        time_step: The length of their steps (s).
+    """
+    return time_step * _NEVER
+
+
+def holds_state(plant: MultibodyPlant) -> bool:
+    """Tell whether a plant only holds the state of robots that are stepped elsewhere."""
+    return bool(plant.time_step() > 1e6)
+
+
+def physics_step(plant: MultibodyPlant) -> float:
+    """Return the length of the steps (s) with which a plant's robots are simulated; 0 for a continuous plant."""
+    step = float(plant.time_step())
+    return step / _NEVER if holds_state(plant) else step
 
 
 class Solutions(Protocol):
@@ -122,6 +147,14 @@ class PlantPorts:
 
     def __init__(self, plant: MultibodyPlant, elsewhere: StepsElsewhere | None = None):
         self.plant, self.elsewhere = plant, elsewhere
+
+    def valid(self, port: OutputPort) -> OutputPort:
+        """Return the port that has the values which a port of the plant would have, if it stepped its robots itself."""
+        if self.elsewhere is None or port.get_system() is not self.plant:
+            return port
+        name = port.get_name()
+        known: OutputPort = self.elsewhere.GetOutputPort(name) if self.elsewhere.HasOutputPort(name) else port
+        return known
 
     def connect_motors(self, builder: DiagramBuilder, robot: Diagram, instance: ModelInstanceIndex) -> None:
         """Connect a robot's ``desired_state``, and its ``actuation`` if it has one, to its motors.

@@ -3,23 +3,46 @@
 import contextlib
 import re
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex, PrismaticJoint
 from pydrake.systems.framework import Context
 
+from drake_twin.controllers.stateful_controller import Sample
 from drake_twin.dataclass import dataclass
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError, described
 from drake_twin.findings import first_of
-from drake_twin.twin.moment import Moment
-from drake_twin.twin.physics import ABSURD
+from drake_twin.twin.late_measurements import Past
 
+if TYPE_CHECKING:
+    from drake_twin.islands.archipelago import Memory
+
+ABSURD = 1e12  # rad, m, rad/s or m/s
 _MOST_NAMED = 3  # joints named in a message
 _NOTABLE = 100.0  # rad/s² or m/s²: smaller accelerations do not make a step fail
 _OF_THE_BASE = (LINEAR_X, LINEAR_Y, LINEAR_Z, ANGULAR_Z)
+
+
+class Moment(NamedTuple):  # made before each advance, in a third of the time that a dataclass takes
+    """The content of a diagram's context between two steps, to return to after a failed step.
+
+    Attributes:
+        time: The time (s).
+        state: The plant's ``[q; v]``.
+        samples: The sample of each stateful controller, in the order of their contexts; None if no step changes it.
+        past: The past of each measurement delay.
+        islands: What the islands remember; None without islands.
+    """
+
+    time: float
+    state: np.ndarray
+    samples: list[Sample | None]
+    past: Past
+    islands: "Memory | None" = None
 
 
 @dataclass(frozen=True)

@@ -367,9 +367,10 @@ class Graph(Group, path="twin.graph"):
             RunError: If it needs the step to come (efforts, accelerations, contacts), and Drake cannot solve it.
         """
         physics = self._session.physics
-        return self._evaluate(
-            port, physics.plant_context if port.get_system() is physics.built.plant else physics.context
-        )
+        port = physics.built.ports.valid(port)
+        system = port.get_system()
+        is_root = system is physics.built.diagram
+        return self._evaluate(port, physics.context if is_root else system.GetMyContextFromRoot(physics.context))
 
     def _evaluate(self, port: OutputPort, context: Context) -> Any:
         try:

@@ -25,18 +25,17 @@ from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.diagram.world_in_plant import changing_wind
 from drake_twin.errors import RunError
-from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.robot_plan import RobotPlan, is_same_robot
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.detachable_joints import DetachableJoints
 from drake_twin.twin.entity_state import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
+from drake_twin.twin.failure import ABSURD, Moment
 from drake_twin.twin.late_measurements import LateMeasurements
-from drake_twin.twin.moment import Moment
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.pull import Pull
 from drake_twin.twin.pushes import settled_pushes
-from drake_twin.twin.same_robot import is_same_robot
 from drake_twin.twin.state import read_robot_state
 from drake_twin.twin.varied_parameters import varied_parameters
 
@@ -46,7 +45,6 @@ if TYPE_CHECKING:
 # Longer than the longest grid (s): a limit that is met except for rounding leaves a step of 1e-16 s. In such a step the
 # velocity that CENIC gives a mimic joint, its position error divided by the step, is unbounded.
 _LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
-ABSURD = 1e12  # rad, m, rad/s or m/s
 _SAME_TIME = 1e-9  # s
 
 
@@ -196,7 +194,7 @@ class Physics:
                 item.set_sample(context, sample)
         self._late.go_back(moment.past)
         if self.islands is not None:
-            self.islands.archipelago.remember(moment.islands)
+            self.islands.remember(moment.islands)
         self.detachable_joints.follow()
         self.initialize()
 
@@ -220,7 +218,7 @@ class Physics:
         self._late.start()
         self.detachable_joints.forget()
         if self.islands is not None:
-            self.islands.archipelago.remember(None)
+            self.islands.remember(None)
             self.look_at_parameters()
 
     def use(self, scenario: Scenario) -> None:

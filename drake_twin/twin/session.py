@@ -15,7 +15,7 @@ from drake_twin.diagram.twin_diagram import Extension, TwinDiagram
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages import shortened
-from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.robot_plan import RobotPlan, has_other_parameters, is_same_robot
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_files_found
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
@@ -32,7 +32,6 @@ from drake_twin.twin.physics import Physics
 from drake_twin.twin.reactions import Reactions
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.rosout import TwinLog, log_of
-from drake_twin.twin.same_robot import has_other_parameters, is_same_robot
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions

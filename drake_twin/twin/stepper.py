@@ -12,9 +12,8 @@ from pydrake.systems.analysis import InitializeParams
 
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import CENIC
-from drake_twin.twin.failure import failure, is_possible
+from drake_twin.twin.failure import Moment, failure, is_possible
 from drake_twin.twin.inbox import Inbox
-from drake_twin.twin.moment import Moment
 from drake_twin.twin.schedule import ScheduledCommand, step_at
 from drake_twin.twin.session import Session
 
@@ -75,7 +74,8 @@ class Stepper:
             self.refuse_inside_callback("advance")
         self._is_advancing = True
         session, clock = self._session, self._session.clock
-        session.physics.look_at_parameters()
+        if session.physics.islands is not None:
+            session.physics.look_at_parameters()
         start = clock.step * clock.time_step
         end = target * clock.time_step if time is None else time
         try:

@@ -113,6 +113,7 @@ def test_any_body_keeps_energy_and_momentum(tmp_path, engine, seed):
     check_tumbling(lambda _, value: value, tmp_path, engine, w, inertia, random.uniform(-0.1, 0.1, 3))
 
 
+@pytest.mark.one_plant
 @every_step
 @pytest.mark.parametrize(("values", "scale"), [({"izz": 1.5}, None), ({"mass": 20.0}, 1.0), ({"inertia": 3.0}, 3.0)])
 def test_the_moments_follow_inertias_that_are_varied(tmp_path, engine, values, scale):
@@ -191,6 +192,7 @@ def tumbling_systems(builder):
     return [system.get_name() for system in builder.build().diagram.GetSystems() if "tumbling" in system.get_name()]
 
 
+@pytest.mark.one_plant
 def test_only_loose_bodies_of_unequal_moments_have_moments(tmp_path):
     assert tumbling_systems(in_the_air(tmp_path, "1ms", body()))
     assert not tumbling_systems(in_the_air(tmp_path, "cenic", body()))

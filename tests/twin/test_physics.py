@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from conftest import ARM, ROVER
 
+from drake_twin.planning.robot_plan import is_same_robot
 from drake_twin.scenario import Robot, Scenario
 from drake_twin.twin.physics import Physics
-from drake_twin.twin.same_robot import is_same_robot
 
 STEP = 0.01
 
