@@ -10,7 +10,7 @@ from pydrake.systems.framework import BasicVector, Context
 
 from drake_twin.controllers.body_forces import BodyForces, Motion
 from drake_twin.controllers.free_bodies import FreeBodies
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 

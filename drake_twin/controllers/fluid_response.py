@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context
 from drake_twin.controllers.body_forces import ForceController, Motion, RobotBody
 from drake_twin.controllers.link_response import LinkResponse
 from drake_twin.errors import InputError
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 
 _LEAST = 1e-6  # of the mass of a link, what added mass has to leave of it
 

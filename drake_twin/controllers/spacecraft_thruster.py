@@ -17,7 +17,7 @@ from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 from drake_twin.systems.weak_callback import weakly
 
 

@@ -18,7 +18,7 @@ from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.plant_ports import holds_state
+from drake_twin.systems.plant_reading import holds_state
 
 if TYPE_CHECKING:
     from drake_twin.controllers.world_forces import WorldForces

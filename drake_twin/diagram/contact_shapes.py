@@ -28,7 +28,7 @@ from drake_twin.description.surface_velocity import has_moving_surface
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.wheels import WheelFinder
 from drake_twin.scenario import POINT
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 
 _ROUND = (Sphere, Capsule, Ellipsoid)
 _LEAST_MASS = 1e-3  # kg

@@ -25,7 +25,7 @@ from drake_twin.diagram.cenic_constraints import cenic_has_constraints
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, DISCRETE
-from drake_twin.systems.plant_ports import holds_state
+from drake_twin.systems.plant_reading import holds_state
 
 _OWN_MODEL = "__model__"
 

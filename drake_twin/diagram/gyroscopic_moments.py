@@ -24,7 +24,7 @@ from pydrake.systems.primitives import ConstantVectorSource, Multiplexer, Symbol
 
 from drake_twin.dataclass import dataclass
 from drake_twin.errors import InputError
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 
 # Moments of inertia are equal if they differ by less than this part.
 _EQUAL = 1e-3

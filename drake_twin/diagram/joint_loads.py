@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context
 from drake_twin.dataclass import dataclass
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 
 # Drake's solver compares forces with these tolerances, and takes the next position of a servo from the present one: the
 # rounding of that, times the stiffness, must be less, where nothing else pulls at the robot.

@@ -36,7 +36,7 @@ from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
-from drake_twin.systems.plant_ports import PlantPorts, StepsElsewhere, held
+from drake_twin.systems.plant_reading import PlantPorts, held
 
 if TYPE_CHECKING:
     from drake_twin.control.submerged import Solid
@@ -169,6 +169,8 @@ def add_plant(
     }
     elsewhere = None
     if holds_state:
+        from drake_twin.systems.steps_elsewhere import StepsElsewhere
+
         elsewhere = builder.AddNamedSystem("steps_elsewhere", StepsElsewhere(plant, instances))
         builder.Connect(plant.get_state_output_port(), elsewhere.GetInputPort("state"))
     ports = PlantPorts(plant, elsewhere)

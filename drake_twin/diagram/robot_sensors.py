@@ -24,7 +24,7 @@ from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem
-from drake_twin.systems.plant_ports import PlantPorts
+from drake_twin.systems.plant_reading import PlantPorts
 
 if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile

@@ -39,7 +39,7 @@ from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
-from drake_twin.systems.plant_ports import PlantPorts
+from drake_twin.systems.plant_reading import PlantPorts
 
 if TYPE_CHECKING:
     from drake_twin.description.world_file import WorldFile

@@ -16,6 +16,7 @@ from drake_twin.diagram.release import release
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.islands.archipelago import Archipelago, Memory
 from drake_twin.islands.contacts import Contacts, JoinedContacts
+from drake_twin.islands.island import Island
 from drake_twin.islands.island_store import Parameterize
 from drake_twin.scenario import Scenario
 
@@ -127,12 +128,16 @@ class IslandSimulator:
         due = [offset + ((self._step - offset) // period + 1) * period for period, offset in self._periods]
         return min([self.archipelago.next_frame(self._step), *due])
 
+    def present(self) -> list[Island]:
+        """Return islands of all robots and models in the present state, also of those that rest."""
+        return self.archipelago.present(self._step)
+
     # What follows from the step to come: the `Solutions` of the diagram.
 
     def net_actuation(self) -> np.ndarray:
         """Return the efforts of all actuators (N·m or N)."""
         efforts = np.zeros(self._plant.num_actuators())
-        for island in self.archipelago.present(self._step):
+        for island in self.present():
             found = island.plant.get_net_actuation_output_port().Eval(island.plant_context)
             for number, places in zip(island.members, island.places, strict=True):
                 efforts[self.archipelago.movers[number].places.actuators] = found[places.actuators]
@@ -141,7 +146,7 @@ class IslandSimulator:
     def body_spatial_accelerations(self) -> list[SpatialAcceleration]:
         """Return the accelerations of all bodies in the world."""
         found = [SpatialAcceleration.Zero()] * self._plant.num_bodies()
-        for island in self.archipelago.present(self._step):
+        for island in self.present():
             values = island.plant.get_body_spatial_accelerations_output_port().Eval(island.plant_context)
             for number, places in zip(island.members, island.places, strict=True):
                 for there, here in zip(self.archipelago.movers[number].places.bodies, places.bodies, strict=True):
@@ -151,7 +156,7 @@ class IslandSimulator:
     def reaction_forces(self) -> list[SpatialForce]:
         """Return the reactions in all joints."""
         found = [SpatialForce.Zero()] * self._plant.num_joints()
-        for island in self.archipelago.present(self._step):
+        for island in self.present():
             values = island.plant.get_reaction_forces_output_port().Eval(island.plant_context)
             for number, places in zip(island.members, island.places, strict=True):
                 for there, here in zip(self.archipelago.movers[number].places.joints, places.joints, strict=True):
@@ -161,7 +166,7 @@ class IslandSimulator:
     def contact_results(self) -> JoinedContacts:
         """Return the contacts in all islands."""
         joined = []
-        for island in self.archipelago.present(self._step):
+        for island in self.present():
             members = [self.archipelago.movers[number].places for number in island.members]
             bodies = island.bodies(self._plant, members)
             results = island.plant.get_contact_results_output_port().Eval(island.plant_context)

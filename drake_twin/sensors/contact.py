@@ -26,7 +26,7 @@ from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
 from drake_twin.systems.no_message import set_value
-from drake_twin.systems.plant_ports import contact_value
+from drake_twin.systems.plant_reading import contact_value
 
 _STATIC = ("world", "static_world::static_world")  # frames of the shapes of static models
 _COLLISION = 5  # ros_gz_interfaces/msg/Entity

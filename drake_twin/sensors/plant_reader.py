@@ -10,7 +10,7 @@ from pydrake.multibody.math import SpatialAcceleration, SpatialForce, SpatialVel
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.systems.framework import InputPort, OutputPort
 
-from drake_twin.systems.plant_ports import PlantPorts
+from drake_twin.systems.plant_reading import PlantPorts
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 _Port = Callable[[PlantPorts], OutputPort]

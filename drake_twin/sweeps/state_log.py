@@ -8,7 +8,7 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from drake_twin.cli.history import MOST_SAMPLES, SAMPLE_RATE, RobotHistory, RunHistory
 from drake_twin.diagram.twin_diagram import DiagramParts
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 from drake_twin.twin.twin import Twin
 
 

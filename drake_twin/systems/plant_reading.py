@@ -1,13 +1,133 @@
-"""The numbers of a plant that drafts of messages are made of."""
+"""What is read of a plant: its step, its ports of the step to come, and the numbers that messages are made of.
+
+A plant may only hold the state of robots that are stepped elsewhere. Drake's Simulator steps each discrete plant of its
+diagram: one whose period is so long that its second step never comes is left alone.
+"""
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydrake.systems.framework import Context
+from pydrake.common.value import AbstractValue, Value
+from pydrake.multibody.plant import ContactResults, MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 
-from drake_twin.systems.plant_ports import PlantPorts
+if TYPE_CHECKING:
+    from drake_twin.systems.steps_elsewhere import StepsElsewhere
 
 _CONSTANTS = np.array([np.nan, 0.0])
+_NEVER = 2.0**40  # a step of 50 µs becomes 1.7 years
+
+
+def held(time_step: float) -> float:
+    """Return the period of a plant that holds the state of robots that are stepped elsewhere.
+
+    Args:
+        time_step: The length of their steps (s).
+    """
+    return time_step * _NEVER
+
+
+def holds_state(plant: MultibodyPlant) -> bool:
+    """Tell whether a plant only holds the state of robots that are stepped elsewhere."""
+    return bool(plant.time_step() > 1e6)
+
+
+def physics_step(plant: MultibodyPlant) -> float:
+    """Return the length of the steps (s) with which a plant's robots are simulated; 0 for a continuous plant."""
+    step = float(plant.time_step())
+    return step / _NEVER if holds_state(plant) else step
+
+
+class PlantPorts:
+    """The output ports that follow from the step to come: the plant's own, or those of the islands that step.
+
+    Args:
+        plant: The finalized plant.
+        elsewhere: The system that has them, if the plant only holds the state.
+
+    Attributes:
+        plant: The plant.
+        elsewhere: The system that has them; None for the plant.
+    """
+
+    def __init__(self, plant: MultibodyPlant, elsewhere: "StepsElsewhere | None" = None):
+        self.plant, self.elsewhere = plant, elsewhere
+
+    def valid(self, port: OutputPort) -> OutputPort:
+        """Return the port that has the values which a port of the plant would have, if it stepped its robots itself."""
+        if self.elsewhere is None or port.get_system() is not self.plant:
+            return port
+        name = port.get_name()
+        known: OutputPort = self.elsewhere.GetOutputPort(name) if self.elsewhere.HasOutputPort(name) else port
+        return known
+
+    def connect_motors(self, builder: DiagramBuilder, robot: Diagram, instance: ModelInstanceIndex) -> None:
+        """Connect a robot's ``desired_state``, and its ``actuation`` if it has one, to its motors.
+
+        Args:
+            builder: The builder of the root diagram.
+            robot: The robot's diagram, named as the robot.
+            instance: Its model instance, with at least one actuator.
+        """
+        ports = {
+            "desired_state": self.plant.get_desired_state_input_port(instance),
+            "actuation": self.plant.get_actuation_input_port(instance),
+        }
+        for name, port in ports.items():
+            if robot.HasOutputPort(name):
+                builder.Connect(robot.GetOutputPort(name), port)
+                if self.elsewhere is not None:
+                    own = self.elsewhere.GetInputPort(f"{robot.get_name()}/{name}")
+                    builder.Connect(robot.GetOutputPort(name), own)
+
+    def net_actuation(self, instance: ModelInstanceIndex | None = None) -> OutputPort:
+        """Return the port with the efforts of all actuators, or of a model instance's (N·m or N)."""
+        if self.elsewhere is None:
+            one = () if instance is None else (instance,)
+            return self.plant.get_net_actuation_output_port(*one)
+        return self.elsewhere.port("net_actuation") if instance is None else self.elsewhere.net_actuation(instance)
+
+    def efforts(self, root: Context, plant_context: Context, instance: ModelInstanceIndex | None = None) -> np.ndarray:
+        """Return the efforts of all actuators, or of a model instance's (N·m or N).
+
+        Args:
+            root: The root diagram's context.
+            plant_context: The plant's context in it.
+            instance: The model instance.
+        """
+        port = self.net_actuation(instance)
+        is_own = port.get_system() is self.plant
+        efforts: np.ndarray = port.Eval(plant_context if is_own else port.get_system().GetMyContextFromRoot(root))
+        return efforts
+
+    def body_spatial_accelerations(self) -> OutputPort:
+        """Return the port with the accelerations of all bodies in the world."""
+        if self.elsewhere is None:
+            return self.plant.get_body_spatial_accelerations_output_port()
+        return self.elsewhere.port("body_spatial_accelerations")
+
+    def reaction_forces(self) -> OutputPort:
+        """Return the port with the reactions in all joints."""
+        return (
+            self.plant.get_reaction_forces_output_port()
+            if self.elsewhere is None
+            else self.elsewhere.port("reaction_forces")
+        )
+
+    def contact_results(self) -> OutputPort:
+        """Return the port with the contacts."""
+        return (
+            self.plant.get_contact_results_output_port()
+            if self.elsewhere is None
+            else self.elsewhere.port("contact_results")
+        )
+
+
+def contact_value(plant: MultibodyPlant) -> AbstractValue:
+    """Return what an input port for a plant's contacts is declared with."""
+    return Value[object]() if holds_state(plant) else Value[ContactResults]()
 
 
 class Reading:

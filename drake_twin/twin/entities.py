@@ -15,7 +15,7 @@ from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.scenario.absolute_files import robot_with_files_found
 from drake_twin.scenario.names import LONGEST_NAME
-from drake_twin.systems.plant_ports import physics_step
+from drake_twin.systems.plant_reading import physics_step
 from drake_twin.twin.entity_state import (
     EntityState,
     Wrench,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import QuaternionFloatingJoint
 from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
@@ -133,10 +133,7 @@ class Physics:
             self._updates = {(item.setup.update_period, item.setup.update_offset) for item in keepers}
 
     def check(self) -> bool:
-        """Return whether the state is possible, and settle it before it overflows; called after each advance.
-
-        Two sums of squares tell that there is nothing to do, in a quarter of the time of `settle`.
-        """
+        """Return whether the state is possible, and settle it before it overflows: mostly two sums tell all."""
         state = self.built.plant.GetPositionsAndVelocities(self.plant_context)
         turns = state[self._turns]
         return bool(np.vdot(state, state) < ABSURD**2 and np.vdot(turns, turns) < self._longest) or self.settle()
@@ -257,6 +254,12 @@ class Physics:
         if self.islands is not None and (parameters := self._parameters.changed(self.context)) != self._followed:
             self._followed = parameters
             self.islands.archipelago.follow_parameters(parameters)
+
+    def stepped(self) -> list[tuple[MultibodyPlant, Context]]:
+        """Return the plants that are stepped, each with the root context of its diagram in the present state."""
+        if self.islands is None:
+            return [(self.built.plant, self.context)]
+        return [(island.plant, island.context) for island in self.islands.present()]
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""

@@ -4,6 +4,9 @@ import time
 from collections.abc import Callable
 from statistics import median
 
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context
+
 from drake_twin.dataclass import dataclass
 from drake_twin.twin.touching import models_of_shapes, touching
 from drake_twin.twin.twin import Twin
@@ -36,7 +39,14 @@ def step_costs(twin: Twin) -> StepCosts:
         RunError: If Drake cannot solve the next step.
     """
     facets, points = touching(twin, models_of_shapes(twin))
-    plant, root = twin.plant, twin.context.Clone()
+    costs = [_costs(plant, root.Clone()) for plant, root in twin._session.physics.stepped()]
+    step, contact = map(sum, zip(*costs, strict=True)) if costs else (0.0, 0.0)
+    pairs = {(a or _WORLD, b): count for (a, b), count in (facets + points).most_common()}
+    return StepCosts(step, contact, bool(facets), pairs)
+
+
+def _costs(plant: MultibodyPlant, root: Context) -> tuple[float, float]:
+    """Return the processor time of a step of a plant, and of its contacts (s)."""
     context = plant.GetMyMutableContextFromRoot(root)
     positions = plant.GetPositions(context)
     query = plant.get_geometry_query_input_port()
@@ -53,8 +63,5 @@ def step_costs(twin: Twin) -> StepCosts:
         return median(spent)
 
     step = again(lambda: plant.CalcForcedDiscreteVariableUpdate(context, updates))
-    contact = again(
-        lambda: query.Eval(context).ComputeContactSurfacesWithFallback(plant.get_contact_surface_representation())
-    )
-    pairs = {(a or _WORLD, b): count for (a, b), count in (facets + points).most_common()}
-    return StepCosts(step, contact, bool(facets), pairs)
+    kind = plant.get_contact_surface_representation()
+    return step, again(lambda: query.Eval(context).ComputeContactSurfacesWithFallback(kind))

@@ -4,8 +4,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.systems.plant_ports import PlantPorts
-from drake_twin.systems.plant_reading import Reading
+from drake_twin.systems.plant_reading import PlantPorts, Reading
 
 
 @pytest.fixture
