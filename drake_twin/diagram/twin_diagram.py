@@ -253,9 +253,10 @@ def _build(
     _add_entity_states(builder, parts, plans, topics)
     visualizer = add_visualizer(builder, parts.scene_graph, meshcat)
     own = {system.get_name() for system in builder.GetSystems()}
+    systems = {name: robot.diagram for name, robot in robots.items()}
     for extend in extensions:
-        systems = {name: robot.diagram for name, robot in robots.items()}
         extend(builder, DiagramParts(parts.plant, parts.scene_graph, systems, plans, parts.ports))
+    parts.ports.refuse_own(builder)
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
@@ -343,11 +344,10 @@ def _add_robot(
     surroundings: SensorSurroundings,
 ) -> RobotDiagram:
     in_plant = parts.robots[plan.name]
-    instance, layout = in_plant.instance, in_plant.layout
     robot = build_robot_diagram(plan, surroundings, in_plant)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
-    if layout.num_actuators:
-        parts.ports.connect_motors(builder, system, instance)
+    if in_plant.layout.num_actuators:
+        parts.ports.connect_motors(builder, system, in_plant.instance)
     for name, output in robot.plant_inputs.items():
         builder.Connect(output, system.GetInputPort(name))
     publish_robot(plan, robot, system, topics, in_plant, surroundings.time_step)

@@ -78,9 +78,6 @@ class IslandSimulator:
             target = min(last, self._next_stop())
             if target > self._step:
                 state = self.archipelago.advance(self._step, target)
-                before = (target - 0.5) * self._time_step
-                if before > self._context.get_time():
-                    self._root.AdvanceTo(before)  # so that what is published at the target has the state of then
                 self._plant_context.SetDiscreteState(state)  # also one that is not finite, which the twin tells
                 self._step = target
             if target >= last:

@@ -13,10 +13,22 @@ from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 
+from drake_twin.errors import InputError
+
 if TYPE_CHECKING:
     from drake_twin.systems.steps_elsewhere import StepsElsewhere
 
 _CONSTANTS = np.array([np.nan, 0.0])
+# Outputs of a plant that follow from its next step.
+_OF_THE_STEP = {
+    "net_actuation",
+    "body_spatial_accelerations",
+    "reaction_forces",
+    "contact_results",
+    "generalized_acceleration",
+}
+_OF_MODELS = ("_net_actuation", "_generalized_acceleration", "_generalized_contact_forces")  # after a model's name
+
 _NEVER = 2.0**40  # a step of 50 µs becomes 1.7 years
 
 
@@ -54,6 +66,21 @@ class PlantPorts:
 
     def __init__(self, plant: MultibodyPlant, elsewhere: "StepsElsewhere | None" = None):
         self.plant, self.elsewhere = plant, elsewhere
+
+    def refuse_own(self, builder: DiagramBuilder) -> None:
+        """Refuse connections to ports of a plant that only holds the state, for which islands have the values.
+
+        Raises:
+            InputError: If there is one.
+        """
+        if self.elsewhere is None:
+            return
+        for (system, _), (source, index) in builder.connection_map().items():
+            port = source.get_output_port(index)
+            name = port.get_name() if source is self.plant else ""
+            if name in _OF_THE_STEP or (name.endswith(_OF_MODELS) and port.size()):
+                what = f"system {system.get_name()!r} reads the plant's port {name!r}, which has no value with islands"
+                raise InputError(f"{what}: use DiagramParts.ports and DiagramParts.output, or islands=0")
 
     def valid(self, port: OutputPort) -> OutputPort:
         """Return the port that has the values which a port of the plant would have, if it stepped its robots itself."""

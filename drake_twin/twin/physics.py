@@ -5,7 +5,6 @@ rebuilt, every state is transferred by name, and the old diagram is released, so
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -84,8 +83,6 @@ class Physics:
         plans: Iterable[RobotPlan] = (),
         extensions: Sequence[Extension] = (),
     ):
-        if extensions and scenario.islands is None:  # a user's systems may need the one plant
-            scenario = replace(scenario, islands=0)
         self.built = build_twin_diagram(scenario, meshcat, known, plans, extensions)
         self.islands = _island_simulator(self.built, scenario) if scenario.most_in_an_island else None
         self.simulator = self.islands or Simulator(self.built.diagram)

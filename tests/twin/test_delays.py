@@ -211,7 +211,6 @@ def test_another_time_step_keeps_what_was_measured(turning):
     )
 
 
-@pytest.mark.one_plant
 def test_a_step_that_fails_takes_the_delays_back(tmp_path):
     builder = hinges(tmp_path, {"push": efforts("left", "right")}, rate=1000)
     scenario = delayed(builder.scenario(), command_delay=0.01, measurement_delay=0.01)
