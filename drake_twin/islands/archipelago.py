@@ -14,11 +14,11 @@ from drake_twin.islands.inputs import Inputs
 from drake_twin.islands.island import Island
 from drake_twin.islands.island_store import IslandStore, Parameterize
 from drake_twin.islands.mover import Mover, movers_of
-from drake_twin.islands.partition import components, packed, touched
+from drake_twin.islands.partition import after_blows, components, packed, touched
 from drake_twin.islands.rest import Rest
 from drake_twin.scenario import Scenario
 
-_FRAME = 0.01  # s for which a partition holds
+_FRAME = 0.02  # s for which a partition holds
 
 # Robot and controller of a joint that comes and goes → the pose at which it holds its child (3×4), or nothing.
 Attachments = Mapping[tuple[str, str], tuple[float, ...]]
@@ -41,7 +41,7 @@ class Memory(NamedTuple):
 class Archipelago:
     """The islands of a diagram whose plant only holds the state.
 
-    Each 10 ms, movers whose boxes may touch within the next 10 ms are put together, and alone or together into islands
+    Each 20 ms, movers whose boxes may touch within the next 20 ms are put together, and alone or together into islands
     of a few movers. Those that have been still for half a second, and touch none that moves, rest: they are in no
     island, with velocities of zero, until something comes near, acts on them, or commands them. All follows from the
     state and `Memory` alone.
@@ -91,6 +91,8 @@ class Archipelago:
         self._changed: set[int] = set()  # whose inputs are not what the islands have
         self._are_moved = False
         self._are_prepared = False
+        # The groups of movers that are alone each, and the version of who rests, for which `Extents` has measured.
+        self._clear: tuple[tuple[tuple[int, ...], ...], int] | None = None
         self._frame = max(1, round(_FRAME / scenario.time_step))
 
     # What it remembers.
@@ -105,7 +107,7 @@ class Archipelago:
         """Continue with what was remembered; None to begin anew."""
         self._groups, self._until = (memory.groups, memory.until) if memory is not None else ((), 0)
         self._found_at = -1
-        self._rest.times = np.array(memory.rested) if memory is not None else np.zeros(len(self.movers))
+        self._rest.set_times(np.array(memory.rested) if memory is not None else np.zeros(len(self.movers)))
         self._state = np.empty(0)
 
     def begin(self, step: int) -> None:
@@ -161,10 +163,8 @@ class Archipelago:
         for island, places in zip(self.islands, self._places, strict=True):
             self._state[places] = island.state()
         if target == self.next_frame(step):
-            newly = self._rest.pass_time(self._state, self._frame * self._time_step)
-            for number in np.flatnonzero(newly).tolist():
+            for number in self._rest.pass_time(self._state, self._frame * self._time_step):
                 self._state[self._rest.velocities(number)] = 0.0
-            if newly.any():
                 self._taken = None  # the islands have other velocities
         self._step = target
         return self._state
@@ -172,18 +172,20 @@ class Archipelago:
     def _settle(self, step: int) -> None:
         """Have each mover that does not rest in an island, with the present state and inputs."""
         state = self._look()
-        awake = {number for group in self._groups for number in group}
-        roused = self._roused - awake
-        self._rest.wake(self._roused)
-        if self._until <= step or self._are_moved or roused:
+        is_new = self._until <= step or self._are_moved
+        if self._roused:
+            is_new = is_new or not self._roused <= {number for group in self._groups for number in group}
+            self._rest.wake(self._roused)
+            self._roused = set()
+        if is_new:
             self._find_groups(state, step)
-        self._roused, self._are_moved = set(), False
+        self._are_moved = False
         self._use(state, step)
 
     def _look(self) -> np.ndarray:
         """Return the present state; note who was moved by others, or is acted on in another way."""
         state: np.ndarray = self._plant.GetPositionsAndVelocities(self._context)
-        if len(self._state) and state.tobytes() != self._state.tobytes():
+        if len(self._state) and not np.array_equal(state, self._state):
             differs = state != self._state
             moved = {number for number, mover in enumerate(self.movers) if differs[mover.places.state].any()}
             self._roused |= moved
@@ -197,9 +199,12 @@ class Archipelago:
     def _find_groups(self, state: np.ndarray, step: int) -> None:
         """Find the movers of each island for the frame of a step."""
         self._until, self._found_at = self.next_frame(step), step
+        duration = (self._until - step) * self._time_step
         if self._are_moved:
             self._extents.forget()
-        self._groups = self._groups_of(state, (self._until - step) * self._time_step)
+        elif self._clear == (self._groups, self._rest.version) and self._extents.are_clear(state, duration):
+            return  # each is alone, as in what is calculated otherwise
+        self._groups = self._groups_of(state, duration)
 
     def _groups_of(self, state: np.ndarray, duration: float) -> tuple[tuple[int, ...], ...]:
         rested = self._rest.rested
@@ -210,7 +215,17 @@ class Archipelago:
             # What rests beside something that moves may hold up others that rest.
             rows, numbers = np.arange(len(owners)), np.arange(len(rested))
         parts = components(lower, upper, owners, rows, numbers.tolist(), self._tied)
-        return tuple(packed([part for part in parts if not rested[part].all()], self._most))
+        known = 0
+        while len(parts) != known and any(len(part) > 1 for part in parts):
+            known = len(parts)
+            ways = after_blows(parts, owners, self._extents.speeds)[:, np.newaxis] * duration
+            parts = components(lower - ways, upper + ways, owners, rows, numbers.tolist(), self._tied)
+        groups = tuple(packed([part for part in parts if not rested[part].all()], self._most))
+        self._clear = None
+        if all(len(part) == 1 for part in parts):
+            self._extents.measure(state)
+            self._clear = groups, self._rest.version
+        return groups
 
     def _use(self, state: np.ndarray, step: int) -> None:
         """Let the islands have the present state and inputs."""

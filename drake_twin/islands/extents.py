@@ -53,6 +53,7 @@ class Extents:
 
     Attributes:
         owners: The number of each box's mover.
+        speeds: How fast the corners of each are at most (m/s), as of the last call of `swept`.
     """
 
     def __init__(self, plant: MultibodyPlant, inspector: SceneGraphInspector, movers: Sequence[Mover]):
@@ -63,8 +64,35 @@ class Extents:
         self._anchors = anchors
         self.owners = np.array([anchor.mover for anchor in anchors], dtype=int)
         self._lower, self._upper = np.zeros((len(anchors), 3)), np.zeros((len(anchors), 3))
+        self.speeds = np.zeros(len(anchors))
         self._moving = np.zeros(0, dtype=bool)
         self._rows = _Rows(anchors, np.arange(len(anchors)))
+        self._radius = np.array([anchor.radius for anchor in anchors])
+        self._free = np.array([anchor.q is not None for anchor in anchors], dtype=bool)
+        starts = [0 if anchor.q is None else anchor.q + 4 for anchor in anchors]
+        self._origins = np.add.outer(np.array(starts, dtype=int), np.arange(3))
+        self._clearance: _Clearance | None = None
+
+    def measure(self, state: np.ndarray) -> None:
+        """Measure how far each that may move may go, with its speed, before it can come near another one."""
+        rows = self._rows.rows
+        self._clearance = None
+        if not self._free.all() or not np.isfinite(self._radius).all():
+            return
+        p = state[self._origins]
+        gaps = np.linalg.norm(p[rows][:, np.newaxis] - p, axis=2) - self._radius[rows][:, np.newaxis] - self._radius
+        gaps[self.owners[rows][:, np.newaxis] == self.owners] = inf
+        slack = 0.5 * gaps.min(axis=1, initial=inf) - MARGIN
+        self._clearance = _Clearance(self._origins[rows], self._rows.linear_velocities(), p[rows], slack)
+
+    def are_clear(self, state: np.ndarray, duration: float) -> bool:
+        """Tell whether none has come near another one since it was measured, nor can in a time (s)."""
+        known = self._clearance
+        if known is None:
+            return False
+        way, v = state[known.origins] - known.starts, state[known.velocities]
+        reach = np.sqrt(np.einsum("ni,ni->n", way, way)) + duration * np.sqrt(np.einsum("ni,ni->n", v, v))
+        return bool((reach <= known.slack).all())
 
     def swept(
         self, state: np.ndarray, context: Context, duration: float, moving: np.ndarray
@@ -82,15 +110,29 @@ class Extents:
         """
         if moving.tobytes() != self._moving.tobytes():
             everyone = _Rows(self._anchors, np.arange(len(self._anchors)))
-            self._lower, self._upper = everyone.swept(self._plant, state, context, 0.0)
+            self._lower, self._upper, _ = everyone.swept(self._plant, state, context, 0.0)
+            self.speeds = np.zeros(len(self._anchors))
             self._moving, self._rows = moving.copy(), _Rows(self._anchors, np.flatnonzero(moving[self.owners]))
         rows = self._rows.rows
-        self._lower[rows], self._upper[rows] = self._rows.swept(self._plant, state, context, duration)
+        self._lower[rows], self._upper[rows], self.speeds[rows] = self._rows.swept(
+            self._plant, state, context, duration
+        )
         return self._lower, self._upper, rows
 
     def forget(self) -> None:
         """Know that those that do not move may be elsewhere."""
+        self._clearance = None
         self._moving = np.zeros(0, dtype=bool)
+
+
+@dataclass(frozen=True, eq=False)
+class _Clearance:
+    """Where boxes were, and how far each may go from there; the places of their origins and velocities in the state."""
+
+    origins: np.ndarray
+    velocities: np.ndarray
+    starts: np.ndarray
+    slack: np.ndarray
 
 
 class _Rows:
@@ -114,8 +156,8 @@ class _Rows:
 
     def swept(
         self, plant: MultibodyPlant, state: np.ndarray, context: Context, duration: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the corners of the boxes for a time (s)."""
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the corners of the boxes for a time (s), and how fast their corners are at most (m/s)."""
         q, v = state[self._q], state[self._v]
         R, p = _rotations(q[:, :4]), q[:, 4:]
         turning, moving = (np.sqrt((part * part).sum(axis=1)) for part in (v[:, :3], v[:, 3:]))
@@ -126,7 +168,12 @@ class _Rows:
         reach += (speed * duration + MARGIN)[:, np.newaxis]
         reach[self._is_endless] = inf
         center = p + (R @ self._center)[:, :, 0]
-        return center - reach, center + reach
+        return center - reach, center + reach, speed
+
+    def linear_velocities(self) -> np.ndarray:
+        """Return the places of the free boxes' linear velocities in the state, shape (boxes, 3)."""
+        places: np.ndarray = self._v[:, 3:]
+        return places
 
     def _with_others(
         self,

@@ -70,9 +70,12 @@ class Inputs:
         return changed | self._read_forces()
 
     def _read_forces(self) -> set[int]:
-        context, before = self._context, set(self._forces)
-        self._forces, self._generalized_forces, self._speeds = {}, None, None
+        context = self._context
         has_wrenches, has_generalized = self._wrenches.HasValue(context), self._generalized.HasValue(context)
+        if not (has_wrenches or has_generalized or self.have_forces) and self._surfaces is None:
+            return set()
+        before = set(self._forces)
+        self._forces, self._generalized_forces, self._speeds = {}, None, None
         changed: set[int] = set()
         for force in self._wrenches.Eval(context) if has_wrenches else ():
             number = self._owners.get(int(force.body_index))
@@ -94,6 +97,8 @@ class Inputs:
             islands: The islands.
             changed: The movers whose inputs differ from what their island has; None for all.
         """
+        if changed is not None and not (changed or self.have_forces):
+            return
         for island in islands:
             is_changed = changed is None
             for place, number in enumerate(island.members):

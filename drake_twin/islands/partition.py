@@ -46,6 +46,24 @@ def components(
     return list(found.values())
 
 
+def after_blows(parts: Sequence[Sequence[int]], owners: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    """Return how much faster each box may be than it is (m/s), shape (boxes,), where one may hit another one.
+
+    What is hit by something much heavier leaves it with twice its speed at most.
+
+    Args:
+        parts: The movers that may touch each other.
+        owners: The number of each box's mover.
+        speeds: The speed of each box (m/s).
+    """
+    faster = np.zeros(len(speeds))
+    for part in parts:
+        if len(part) > 1:
+            own = np.isin(owners, part)
+            faster[own] = 2.0 * speeds[own].max(initial=0.0) - speeds[own]
+    return faster
+
+
 def touched(lower: np.ndarray, upper: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Return which boxes meet one of some boxes, shape (boxes,); those themselves do."""
     meets: np.ndarray = (

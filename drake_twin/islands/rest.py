@@ -22,36 +22,57 @@ class Rest:
 
     Attributes:
         times: For how long each has been still (s), up to `UNTIL_REST`.
+        rested: Which movers have been still for long enough, shape (movers,).
+        version: Another number whenever others have.
     """
 
     def __init__(self, movers: Sequence[Mover], first: int):
         places = [mover.places.state[mover.places.state >= first] for mover in movers]
         self._velocities = places
         self._can_move = np.array([len(own) > 0 for own in places], dtype=bool)
-        moving = [own for own in places if len(own)]
-        self._starts = np.cumsum([0, *map(len, moving)])[:-1]
-        self._every = np.concatenate(moving) if moving else np.empty(0, dtype=int)
+        self._every, self._starts, self._counted = (
+            np.empty(0, dtype=int),
+            np.empty(0, dtype=int),
+            np.empty(0, dtype=int),
+        )
         self.times = np.zeros(len(movers))
+        self.rested = ~self._can_move
+        self.version = 0
+        self._count()
 
-    @property
-    def rested(self) -> np.ndarray:
-        """Which movers have been still for long enough, shape (movers,)."""
-        rested: np.ndarray = (self.times >= UNTIL_REST) | ~self._can_move
-        return rested
+    def set_times(self, times: np.ndarray) -> None:
+        """Set for how long each has been still (s)."""
+        self.times = times
+        self._count()
+
+    def _count(self) -> None:
+        """Count from now on for those that have not been still for long enough; the others do not move."""
+        self.rested = (self.times >= UNTIL_REST) | ~self._can_move
+        self.version += 1
+        self._counted = np.flatnonzero(~self.rested)
+        own = [self._velocities[number] for number in self._counted.tolist()]
+        self._starts = np.cumsum([0, *map(len, own)])[:-1]
+        self._every = np.concatenate(own) if own else np.empty(0, dtype=int)
 
     def wake(self, numbers: Collection[int]) -> None:
         """Count from zero for these movers."""
-        self.times[list(numbers)] = 0.0
+        if numbers:
+            chosen = list(numbers)
+            self.times[chosen] = 0.0
+            if (self.rested[chosen] & self._can_move[chosen]).any():
+                self._count()
 
-    def pass_time(self, state: np.ndarray, duration: float) -> np.ndarray:
+    def pass_time(self, state: np.ndarray, duration: float) -> list[int]:
         """Count for a time (s), after which the plant's state is this; return which movers have come to rest now."""
-        before = self.rested
-        if len(self._every):
-            still = np.maximum.reduceat(np.abs(state[self._every]), self._starts) < STILL
-            times = np.minimum(self.times[self._can_move] + duration, UNTIL_REST)
-            self.times[self._can_move] = np.where(still, times, 0.0)
-        rested: np.ndarray = self.rested & ~before
-        return rested
+        if not len(self._counted):
+            return []
+        still = np.maximum.reduceat(np.abs(state[self._every]), self._starts) < STILL
+        times = np.where(still, np.minimum(self.times[self._counted] + duration, UNTIL_REST), 0.0)
+        self.times[self._counted] = times
+        newly: list[int] = self._counted[times >= UNTIL_REST].tolist()
+        if newly:
+            self._count()
+        return newly
 
     def velocities(self, number: int) -> np.ndarray:
         """Return the places of a mover's velocities in the plant's state."""

@@ -72,6 +72,7 @@ class Physics:
         gains: Robot → the gains of its servos; those of its file unless the scenario retunes them.
         pushes: The scenario's pushes with their forces.
         detachable_joints: The joints that come and go.
+        is_handed_out: Whether a user has had the context, and may have changed parameters by Drake's own methods.
         new_events: The controllers that have added an event, which the simulator does not know yet.
     """
 
@@ -95,6 +96,7 @@ class Physics:
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
         self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
         self._followed: Mapping[str, Sequence[Any]] = {}  # the parameters that the islands have
+        self.is_handed_out = False
         self._time_step = scenario.time_step
         self.use(scenario)
         self.gains = (
@@ -247,7 +249,7 @@ class Physics:
             self.look_at_parameters()
 
     def look_at_parameters(self) -> None:
-        """Let the islands have the parameters of the context, which a user may have changed by Drake's own methods."""
+        """Let the islands have the parameters of the context."""
         if self.islands is not None and (parameters := self._parameters.changed(self.context)) != self._followed:
             self._followed = parameters
             self.islands.archipelago.follow_parameters(parameters)

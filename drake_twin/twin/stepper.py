@@ -74,7 +74,7 @@ class Stepper:
             self.refuse_inside_callback("advance")
         self._is_advancing = True
         session, clock = self._session, self._session.clock
-        if session.physics.islands is not None:
+        if session.physics.is_handed_out:
             session.physics.look_at_parameters()
         start = clock.step * clock.time_step
         end = target * clock.time_step if time is None else time

@@ -123,7 +123,9 @@ class Twin(Group, OldNames, path="twin"):
     @property
     def context(self) -> Context:
         """The root context at the present time; it lives as long as `diagram`."""
-        return self._session.physics.context
+        physics = self._session.physics
+        physics.is_handed_out = True
+        return physics.context
 
     @property
     @any_thread
