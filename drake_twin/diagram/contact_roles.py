@@ -114,14 +114,15 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
         )
         for shape in shapes
     ]
-    needs: dict[_Class, set[Variant]] = {key: set() for key in classes}
-    for one, other in combinations_with_replacement(needs, 2):
+    keys = list(dict.fromkeys(classes))
+    wanted: list[set[Variant]] = [set() for _ in keys]
+    for (number, one), (partner, other) in combinations_with_replacement(enumerate(keys), 2):
         if not _meet(one, other):
             continue
         if common is not None and (one.is_static or other.is_static):
-            moving, fixed = (other, one) if one.is_static else (one, other)
-            needs[fixed].add(Variant(_ONE_FOR_ALL, fixed.role, fixed.friction))
-            needs[moving].add(Variant(_ONE_FOR_ALL, moving.role, towards(common, moving.friction)))
+            for index, key in ((number, one), (partner, other)):
+                friction = key.friction if key.is_static else towards(common, key.friction)
+                wanted[index].add(Variant(_ONE_FOR_ALL, key.role, friction))
             continue
         roles = one.role, other.role
         if roles == (SOFT, SOFT) and (one.is_loose or other.is_loose):
@@ -131,8 +132,9 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
         elif set(roles) == {SOFT, STATIC} and (one.is_track or other.is_track) and not (one.is_plane or other.is_plane):
             roles = (BELT, GROUND) if one.is_track else (GROUND, BELT)
         level = min(one.friction, other.friction)
-        needs[one].add(Variant(level, roles[0], level))
-        needs[other].add(Variant(level, roles[1], level))
+        wanted[number].add(Variant(level, roles[0], level))
+        wanted[partner].add(Variant(level, roles[1], level))
+    needs = dict(zip(keys, wanted, strict=True))
     if common is not None:
         moving_ones = {shape.friction for shape in shapes if not shape.is_static}
         warnings.extend(_inexact(common, set(static), moving_ones))

@@ -123,7 +123,7 @@ def add_plant(
     step = 0.0 if scenario.engine == CENIC else scenario.time_step
     config = MultibodyPlantConfig(
         time_step=held(step) if holds_state else step,
-        use_sampled_output_ports=sampled_output_ports and scenario.engine != CENIC,
+        use_sampled_output_ports=(sampled_output_ports or holds_state) and scenario.engine != CENIC,
         contact_model="hydroelastic_with_fallback",
         contact_surface_representation="polygon",
         discrete_contact_approximation=scenario.contact_approximation,

@@ -1,6 +1,6 @@
 """The islands of a twin: who is in which, who rests, and what they output."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.islands.extents import Extents
-from drake_twin.islands.inputs import Inputs
+from drake_twin.islands.inputs import Inputs, Known
 from drake_twin.islands.island import Island
 from drake_twin.islands.island_store import IslandStore, Parameterize
 from drake_twin.islands.mover import Mover, movers_of
@@ -31,11 +31,13 @@ class Memory(NamedTuple):
         groups: The movers of each island that is stepped.
         until: The step at which they are found anew.
         rested: For how long each mover has been still (s).
+        inputs: What has acted on them in the last step; None if that is what acts at present.
     """
 
     groups: tuple[tuple[int, ...], ...]
     until: int
     rested: tuple[float, ...]
+    inputs: tuple[Known, Attachments] | None = None
 
 
 class Archipelago:
@@ -70,6 +72,9 @@ class Archipelago:
     ):
         self._plant, self._most, self._time_step = built.plant, scenario.most_in_an_island, scenario.time_step
         self._context = built.plant.GetMyMutableContextFromRoot(root)
+        free = map(built.plant.get_body, built.plant.GetFloatingBaseBodies())
+        starts = [body.floating_positions_start() for body in free if body.has_quaternion_dofs()]
+        self._quaternions = np.add.outer(np.array(starts, dtype=int), np.arange(4))
         inspector = built.scene_graph.model_inspector()
         self.movers: list[Mover] = movers_of(built, inspector)
         self._extents = Extents(built.plant, inspector, self.movers)
@@ -86,10 +91,13 @@ class Archipelago:
         self._groups: tuple[tuple[int, ...], ...] = ()
         self._taken: tuple[tuple[int, ...], ...] | None = None  # those that the islands have
         self._state = np.empty(0)  # as of the last frame; empty if islands do not have it
+        self._seen = np.empty(0)  # what the state was when it was known that nobody was moved by others; or empty
+        self._context_before: Context | None = None
         self._until, self._found_at, self._step = 0, -1, 0
         self._roused: set[int] = set()  # who is moved or acted on by others since the last frame
         self._changed: set[int] = set()  # whose inputs are not what the islands have
         self._are_moved = False
+        self._knows_inputs = False  # whether what has acted in the last step is known
         self._are_prepared = False
         # The groups of movers that are alone each, and the version of who rests, for which `Extents` has measured.
         self._clear: tuple[tuple[tuple[int, ...], ...], int] | None = None
@@ -99,16 +107,39 @@ class Archipelago:
 
     def memory(self) -> Memory:
         """Return what is remembered; groups only if the state alone would not give the same."""
+        self._note_moved(self._plant.GetPositionsAndVelocities(self._context))
+        return self._memory(self._roused, (self.inputs.known(), self._attached))
+
+    def memory_with_inputs(self) -> Memory:
+        """Return what is remembered, where nothing tells what has acted in the last step: who is to wake is awake."""
+        self._note_moved(self._plant.GetPositionsAndVelocities(self._context))
+        known, attached, changed = self.inputs.known(), self._attached, set(self._roused)
+        with suppress(Exception):  # of a user's system, which the next step raises again
+            changed |= self.inputs.read() | self._follow_attachments()
+        self.inputs.remember(known)
+        self._attached = attached
+        return self._memory(changed, None)
+
+    def _memory(self, roused: set[int], inputs: tuple[Known, Attachments] | None) -> Memory:
         is_over = self._until <= self._step or self._found_at == self._step or self._are_moved
+        times = self._rest.times.copy()
+        if roused:
+            is_over = is_over or not roused <= {number for group in self._groups for number in group}
+            times[list(roused)] = 0.0
         groups, until = ((), 0) if is_over else (self._groups, self._until)
-        return Memory(groups, until, tuple(self._rest.times.tolist()))
+        return Memory(groups, until, tuple(times.tolist()), inputs)
 
     def remember(self, memory: Memory | None) -> None:
         """Continue with what was remembered; None to begin anew."""
         self._groups, self._until = (memory.groups, memory.until) if memory is not None else ((), 0)
         self._found_at = -1
         self._rest.set_times(np.array(memory.rested) if memory is not None else np.zeros(len(self.movers)))
-        self._state = np.empty(0)
+        self._state, self._seen, self._roused, self._are_moved = np.empty(0), np.empty(0), set(), False
+        self._knows_inputs = memory is not None and memory.inputs is not None
+        if memory is not None and memory.inputs is not None:
+            known, attached = memory.inputs
+            self.inputs.remember(known)
+            self._attached = dict(attached)
 
     def begin(self, step: int) -> None:
         """Know that the state may be another one, for which what is remembered still holds.
@@ -116,7 +147,8 @@ class Archipelago:
         Args:
             step: The present step.
         """
-        self._step, self._state, self._roused, self._are_moved = step, np.empty(0), set(), False
+        self._note_moved(self._plant.GetPositionsAndVelocities(self._context))
+        self._step, self._state = step, np.empty(0)
         self._give_back_resting()
         self._extents.forget()
         if not self._are_prepared:  # so that what cannot be built is told at the start
@@ -124,8 +156,9 @@ class Archipelago:
             state = self._plant.GetPositionsAndVelocities(self._context)
             self._take(self._groups_of(state, self._frame * self._time_step), state, step)
         with suppress(Exception):  # of a user's system, which the next step raises again
-            self.inputs.read()
-        self._follow_attachments()
+            changed = self.inputs.read() | self._follow_attachments()
+            self._roused |= changed if self._knows_inputs else set()
+        self._knows_inputs = True
 
     def _give_back_resting(self) -> None:
         self._store.give_back(self._resting)
@@ -163,10 +196,11 @@ class Archipelago:
         for island, places in zip(self.islands, self._places, strict=True):
             self._state[places] = island.state()
         if target == self.next_frame(step):
-            for number in self._rest.pass_time(self._state, self._frame * self._time_step):
+            stepped = [number for group in self._groups for number in group]
+            for number in self._rest.pass_time(self._state, self._frame * self._time_step, stepped):
                 self._state[self._rest.velocities(number)] = 0.0
                 self._taken = None  # the islands have other velocities
-        self._step = target
+        self._step, self._seen = target, self._state.copy()
         return self._state
 
     def _settle(self, step: int) -> None:
@@ -185,16 +219,39 @@ class Archipelago:
     def _look(self) -> np.ndarray:
         """Return the present state; note who was moved by others, or is acted on in another way."""
         state: np.ndarray = self._plant.GetPositionsAndVelocities(self._context)
-        if len(self._state) and not np.array_equal(state, self._state):
-            differs = state != self._state
-            moved = {number for number, mover in enumerate(self.movers) if differs[mover.places.state].any()}
-            self._roused |= moved
-            self._are_moved = True
-            self._state = np.empty(0)
+        self._note_moved(state)
         changed = self.inputs.read() | self._follow_attachments()
         self._roused |= changed
         self._changed |= changed
         return state
+
+    def _note_moved(self, state: np.ndarray) -> None:
+        """Note who is elsewhere than the steps have brought it; a quaternion of half the length is the same place."""
+        if not len(self._seen):
+            self._seen = state
+        if self._seen is state or np.array_equal(state, self._seen):
+            return
+        before, self._seen, self._state = self._seen, state, np.empty(0)
+        differs = state != before
+        own, other = state[self._quaternions], before[self._quaternions]
+        exponents = np.frexp(np.abs(other).max(axis=1))[1] - np.frexp(np.abs(own).max(axis=1))[1]
+        differs[self._quaternions[(np.ldexp(own, exponents[:, np.newaxis]) == other).all(axis=1)]] = False
+        moved = {number for number, mover in enumerate(self.movers) if differs[mover.places.state].any()}
+        if moved:
+            self._are_moved = True
+            self._roused |= moved | self._beside(moved, before)
+
+    def _beside(self, numbers: Collection[int], state: np.ndarray) -> set[int]:
+        """Return who may have touched some movers in a state that was before."""
+        if self._context_before is None:
+            self._context_before = self._plant.CreateDefaultContext()
+        self._context_before.SetDiscreteState(state)  # also one that is not finite
+        self._extents.forget()
+        none = np.zeros(len(self.movers), dtype=bool)
+        lower, upper, _ = self._extents.swept(state, self._context_before, 0.0, none)
+        self._extents.forget()
+        rows = np.flatnonzero(np.isin(self._extents.owners, list(numbers)))
+        return set(self._extents.owners[touched(lower, upper, rows)].tolist())
 
     def _find_groups(self, state: np.ndarray, step: int) -> None:
         """Find the movers of each island for the frame of a step."""

@@ -19,6 +19,8 @@ _TURNS = ("revolute", "continuous")
 # What contact may see beyond a body, and what a body may gain in speed within a frame, is within this (m).
 MARGIN = 0.02
 
+_ROUNDING = 1e-6  # m
+
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
@@ -80,10 +82,12 @@ class Extents:
         if not self._free.all() or not np.isfinite(self._radius).all():
             return
         p = state[self._origins]
-        gaps = np.linalg.norm(p[rows][:, np.newaxis] - p, axis=2) - self._radius[rows][:, np.newaxis] - self._radius
+        # The largest of the axes' distances, as of boxes, which reach beyond the spheres.
+        gaps = np.abs(p[rows][:, np.newaxis] - p).max(axis=2) - self._radius[rows][:, np.newaxis] - self._radius
         gaps[self.owners[rows][:, np.newaxis] == self.owners] = inf
-        slack = 0.5 * gaps.min(axis=1, initial=inf) - MARGIN
-        self._clearance = _Clearance(self._origins[rows], self._rows.linear_velocities(), p[rows], slack)
+        slack = 0.5 * gaps.min(axis=1, initial=inf) - MARGIN - _ROUNDING
+        velocities = self._rows.velocities()
+        self._clearance = _Clearance(self._origins[rows], velocities, p[rows], slack, self._radius[rows])
 
     def are_clear(self, state: np.ndarray, duration: float) -> bool:
         """Tell whether none has come near another one since it was measured, nor can in a time (s)."""
@@ -91,7 +95,8 @@ class Extents:
         if known is None:
             return False
         way, v = state[known.origins] - known.starts, state[known.velocities]
-        reach = np.sqrt(np.einsum("ni,ni->n", way, way)) + duration * np.sqrt(np.einsum("ni,ni->n", v, v))
+        length, turning, moving = (np.sqrt(np.einsum("ni,ni->n", part, part)) for part in (way, v[:, :3], v[:, 3:]))
+        reach = length + duration * (moving + turning * known.arms)
         return bool((reach <= known.slack).all())
 
     def swept(
@@ -127,12 +132,13 @@ class Extents:
 
 @dataclass(frozen=True, eq=False)
 class _Clearance:
-    """Where boxes were, and how far each may go from there; the places of their origins and velocities in the state."""
+    """Where boxes were, how far each may go, and its radius; the places of origins and velocities in the state."""
 
     origins: np.ndarray
     velocities: np.ndarray
     starts: np.ndarray
     slack: np.ndarray
+    arms: np.ndarray
 
 
 class _Rows:
@@ -170,9 +176,9 @@ class _Rows:
         center = p + (R @ self._center)[:, :, 0]
         return center - reach, center + reach, speed
 
-    def linear_velocities(self) -> np.ndarray:
-        """Return the places of the free boxes' linear velocities in the state, shape (boxes, 3)."""
-        places: np.ndarray = self._v[:, 3:]
+    def velocities(self) -> np.ndarray:
+        """Return the places of the free boxes' angular and linear velocities in the state, shape (boxes, 6)."""
+        places: np.ndarray = self._v
         return places
 
     def _with_others(

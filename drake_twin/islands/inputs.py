@@ -1,6 +1,7 @@
 """What the systems of the whole diagram let act on its robots, carried to the islands."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
@@ -10,6 +11,17 @@ from pydrake.systems.framework import BusValue, Context
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.islands.island import Island
 from drake_twin.islands.mover import Mover
+
+
+class Known(NamedTuple):
+    """What `Inputs` have read."""
+
+    servos: tuple[tuple[np.ndarray, np.ndarray], ...]
+    forces: Mapping[int, list[ExternallyAppliedSpatialForce]]
+    generalized_forces: np.ndarray | None
+    speeds: BusValue | None
+    have_forces: bool
+    moved_motors: frozenset[str]
 
 
 class Inputs:
@@ -42,7 +54,7 @@ class Inputs:
         servos = {name: parts.servo for name, parts in built.parts.items()}
         self._limited = {name for name, servo in servos.items() if servo is not None and servo.moves_limits}
         self._owners = {int(body): number for number, mover in enumerate(movers) for body in mover.places.bodies}
-        self._forces: dict[int, list[ExternallyAppliedSpatialForce]] = {}
+        self._forces: Mapping[int, list[ExternallyAppliedSpatialForce]] = {}
         self._generalized_forces: np.ndarray | None = None
         self._speeds: BusValue | None = None
         self.have_forces = False
@@ -69,18 +81,29 @@ class Inputs:
         self.moved_motors.clear()
         return changed | self._read_forces()
 
+    def known(self) -> Known:
+        """Return what was read."""
+        acting = self._forces, self._generalized_forces, self._speeds, self.have_forces
+        return Known(tuple(self._known), *acting, frozenset(self.moved_motors))
+
+    def remember(self, known: Known) -> None:
+        """Have read what `known` returned."""
+        self._known, self.moved_motors = list(known.servos), set(known.moved_motors)
+        self._forces, self._generalized_forces, self._speeds, self.have_forces = known[1:5]
+
     def _read_forces(self) -> set[int]:
         context = self._context
         has_wrenches, has_generalized = self._wrenches.HasValue(context), self._generalized.HasValue(context)
         if not (has_wrenches or has_generalized or self.have_forces) and self._surfaces is None:
             return set()
         before = set(self._forces)
-        self._forces, self._generalized_forces, self._speeds = {}, None, None
+        forces: dict[int, list[ExternallyAppliedSpatialForce]] = {}
+        self._forces, self._generalized_forces, self._speeds = forces, None, None
         changed: set[int] = set()
         for force in self._wrenches.Eval(context) if has_wrenches else ():
             number = self._owners.get(int(force.body_index))
             if number is not None:
-                self._forces.setdefault(number, []).append(force)
+                forces.setdefault(number, []).append(force)
         if has_generalized:
             self._generalized_forces = self._generalized.Eval(context)
             changed |= set(range(len(self._movers)))

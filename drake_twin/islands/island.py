@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.geometry import FilterId, GeometryId, SceneGraphInspector
+from pydrake.geometry import FilterId, GeometryId, SceneGraph, SceneGraphInspector
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
@@ -22,6 +22,7 @@ from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.release import release
 from drake_twin.islands.mover import Mover, Places, places_of
 
+_ALL = "forces/all"  # the system that adds pushes to the moments
 _QUIET = InitializeParams(suppress_initialization_events=True)
 
 
@@ -29,9 +30,10 @@ class Island:
     """A plant with a place for each of some movers.
 
     Args:
-        builder: The builder that has the plant.
-        parts: The plant.
+        diagram: The diagram of the plant, its scene graph and the moments of tumbling bodies.
         models: The movers that it is built of; each place takes a mover of the same kind.
+        places: The place of each.
+        detachable_joints: Its joints that come and go.
 
     Attributes:
         diagram: The diagram.
@@ -39,37 +41,40 @@ class Island:
         scene_graph: Its scene graph.
         models: The movers that it is built of.
         places: The place of each.
+        detachable_joints: Its joints that come and go.
         members: The number of the mover in each place.
     """
 
-    def __init__(self, builder: DiagramBuilder, parts: PlantOfTwin, models: Sequence[Mover]):
-        plant, self.scene_graph = parts.plant, parts.scene_graph
-        self.plant: MultibodyPlant = plant
-        self._pushes = _add_forces(builder, plant)
-        self.diagram: Diagram = builder.Build()
-        self.simulator = Simulator(self.diagram)
+    def __init__(
+        self,
+        diagram: Diagram,
+        models: Sequence[Mover],
+        places: Sequence[Places],
+        detachable_joints: tuple[JointInPlant, ...] = (),
+    ):
+        plant, scene_graph = (diagram.GetSubsystemByName(name) for name in ("plant", "scene_graph"))
+        assert isinstance(plant, MultibodyPlant)
+        assert isinstance(scene_graph, SceneGraph)
+        self.diagram, self.plant, self.scene_graph = diagram, plant, scene_graph
+        self.models, self.places = tuple(models), tuple(places)
+        self.detachable_joints = detachable_joints
+        self.simulator = Simulator(diagram)
         self.context = self.simulator.get_mutable_context()
         self.plant_context = plant.GetMyMutableContextFromRoot(self.context)
-        self.models = tuple(models)
-        self.places: tuple[Places, ...] = tuple(
-            places_of(
-                plant,
-                (parts.robots[mover.name].instance,) if mover.is_robot else parts.world_models[mover.name],
-            )
-            for mover in models
-        )
-        self.detachable_joints: tuple[JointInPlant, ...] = parts.detachable_joints
+        self._pushes: InputPort = plant.get_applied_spatial_force_input_port()
+        if diagram.HasSubsystemNamed(_ALL):
+            self._pushes = diagram.GetSubsystemByName(_ALL).get_input_port(1)
         self.members: tuple[int, ...] = ()
         self._held: dict[tuple[str, str], tuple[tuple[float, ...], FilterId | None]] = {}
         self._state = np.concatenate([places.state for places in self.places])
         self._whole = np.empty(plant.num_multibody_states())
         self._desired: list[FixedInputPortValue | None] = []
         self._actuation: list[FixedInputPortValue | None] = []
-        for places in self.places:
-            count = len(places.actuators)
+        for own in self.places:
+            count = len(own.actuators)
             desired = actuation = None
             if count:
-                (instance,) = places.instances
+                (instance,) = own.instances
                 desired = plant.get_desired_state_input_port(instance).FixValue(self.plant_context, np.zeros(2 * count))
                 actuation = plant.get_actuation_input_port(instance).FixValue(self.plant_context, np.zeros(count))
             self._desired.append(desired)
@@ -212,14 +217,37 @@ def _short(name: str) -> str:
     return name.rpartition("::")[2].partition("|")[0]
 
 
-def _add_forces(builder: DiagramBuilder, plant: MultibodyPlant) -> InputPort:
-    """Add the moments of tumbling bodies, and return the port for other forces."""
+def build_island(builder: DiagramBuilder, parts: PlantOfTwin, models: Sequence[Mover]) -> Island:
+    """Return an island.
+
+    Args:
+        builder: The builder that has the plant.
+        parts: The plant.
+        models: The movers that it is built of.
+    """
+    plant = parts.plant
     moments = add_gyroscopic_moments(builder, plant)
-    port: InputPort = plant.get_applied_spatial_force_input_port()
-    if moments is None:
-        return port
-    both = builder.AddNamedSystem("forces/all", ExternallyAppliedSpatialForceMultiplexer(2))
-    builder.Connect(moments, both.get_input_port(0))
-    builder.Connect(both.get_output_port(), port)
-    pushes: InputPort = both.get_input_port(1)
-    return pushes
+    if moments is not None:
+        both = builder.AddNamedSystem(_ALL, ExternallyAppliedSpatialForceMultiplexer(2))
+        builder.Connect(moments, both.get_input_port(0))
+        builder.Connect(both.get_output_port(), plant.get_applied_spatial_force_input_port())
+    places = [
+        places_of(plant, (parts.robots[mover.name].instance,) if mover.is_robot else parts.world_models[mover.name])
+        for mover in models
+    ]
+    return Island(builder.Build(), models, places, parts.detachable_joints)
+
+
+def cloned(island: Island) -> Island | None:
+    """Return another island of the same plant, in a thirtieth of the time; None if Drake cannot.
+
+    What Drake does not clone (start positions, gains of motors) is set when movers take their places.
+    """
+    if island.detachable_joints:
+        return None
+    try:
+        diagram = island.diagram.Clone()
+    except RuntimeError:  # of a system that Drake cannot clone
+        return None
+    assert isinstance(diagram, Diagram)
+    return Island(diagram, island.models, island.places)

@@ -174,7 +174,7 @@ class IslandSimulator:
 
     def state(self) -> dict[str, Any]:
         """Return what is remembered between two steps beside the robots' state, as plain data."""
-        memory, movers = self.archipelago.memory(), self.archipelago.movers
+        memory, movers = self.archipelago.memory_with_inputs(), self.archipelago.movers
         names = [mover.name for mover in movers]
         return {
             "groups": [[names[number] for number in group] for group in memory.groups],

@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_twin.diagram.plant import add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.islands.island import Island
+from drake_twin.islands.island import Island, build_island, cloned
 from drake_twin.islands.mover import Mover
 from drake_twin.scenario import Scenario
 
@@ -36,6 +36,7 @@ class IslandStore:
         self._built, self._scenario = built, scenario
         self._movers, self._parameterize = movers, parameterize
         self._spare: dict[tuple[str, ...], list[Island]] = {}
+        self._first: dict[tuple[str, ...], Island] = {}  # of which the next ones are clones
         self._parameters: Mapping[str, Sequence[Any]] = {}
         self.kinds: list[int] = []
         self._of_kind: dict[int, list[Mover]] = {}
@@ -69,16 +70,26 @@ class IslandStore:
             models.append(self._of_kind[kind][taken.setdefault(kind, 0)])
             taken[kind] += 1
         spare = self._spare.get(_composition(models))
-        return spare.pop() if spare else self._build(models)
+        return spare.pop() if spare else self._new(models)
 
     def give_back(self, islands: Iterable[Island]) -> None:
         """Keep islands that nobody is in any more, or drop them."""
         for island in islands:
             spare = self._spare.setdefault(_composition(island.models), [])
-            if len(spare) < _MOST_SPARE:
+            if len(spare) < _MOST_SPARE or island is self._first.get(_composition(island.models)):
                 spare.append(island)
             else:
                 island.discard()
+
+    def _new(self, models: Sequence[Mover]) -> Island:
+        first = self._first.get(_composition(models))
+        island = None if first is None else cloned(first)
+        if island is None:
+            island = self._build(models)
+            self._first[_composition(models)] = island
+        if self._parameters:
+            self._parameterize(island, self._parameters)
+        return island
 
     def _build(self, models: Sequence[Mover]) -> Island:
         built, names = self._built, {mover.name for mover in models}
@@ -90,12 +101,10 @@ class IslandStore:
         builder = DiagramBuilder()
         try:
             gains = {plan.name: built.robots[plan.name].gains for plan in plans}
-            island = Island(builder, add_plant(builder, self._scenario, plans, world_file, gains), models)
+            island = build_island(builder, add_plant(builder, self._scenario, plans, world_file, gains), models)
         except BaseException:
             release([builder, *builder.GetSystems()])
             raise
-        if self._parameters:
-            self._parameterize(island, self._parameters)
         return island
 
     def discard(self) -> None:
@@ -104,6 +113,7 @@ class IslandStore:
             for island in spare:
                 island.discard()
         self._spare.clear()
+        self._first.clear()
 
 
 def _composition(models: Sequence[Mover]) -> tuple[str, ...]:

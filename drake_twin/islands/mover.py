@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.geometry import ProximityProperties, SceneGraphInspector
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, QuaternionFloatingJoint, RigidBody
+from pydrake.systems.framework import Context
 
 from drake_twin.dataclass import dataclass
 from drake_twin.diagram.twin_diagram import TwinDiagram
@@ -74,16 +75,19 @@ def movers_of(built: TwinDiagram, inspector: SceneGraphInspector) -> list[Mover]
     found = [(plan.name, True, (built.robots[plan.name].instance,)) for plan in built.plans]
     found += [(name, False, instances) for name, instances in built.world_models.items()]
     tied = {int(body.model_instance()) for joint in built.detachable_joints for body in (joint.parent, joint.child)}
+    context = plant.CreateDefaultContext()
     movers = []
     for name, is_robot, instances in found:
         places = places_of(plant, instances)
         if places.bodies:
-            kind = name if tied.intersection(map(int, instances)) else _kind(plant, inspector, name, places)
+            kind = name if tied.intersection(map(int, instances)) else _kind(plant, context, inspector, name, places)
             movers.append(Mover(name, is_robot, places, kind))
     return movers
 
 
-def _kind(plant: MultibodyPlant, inspector: SceneGraphInspector, name: str, places: Places) -> Hashable:
+def _kind(
+    plant: MultibodyPlant, context: Context, inspector: SceneGraphInspector, name: str, places: Places
+) -> Hashable:
     """Return all that the physics of a mover depends on; its name, if it is jointed to a place of the world."""
     bodies = [plant.get_body(index) for index in places.bodies]
     joints = [plant.get_joint(index) for instance in places.instances for index in plant.GetJointIndices(instance)]
@@ -94,7 +98,6 @@ def _kind(plant: MultibodyPlant, inspector: SceneGraphInspector, name: str, plac
     ):
         return name
     numbers = {body.index(): number for number, body in enumerate(bodies)}
-    context = plant.CreateDefaultContext()
     parts: list[Hashable] = []
     for body in bodies:
         inertia = body.CalcSpatialInertiaInBodyFrame(context).CopyToFullMatrix6()

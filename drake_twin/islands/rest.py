@@ -62,9 +62,21 @@ class Rest:
             if (self.rested[chosen] & self._can_move[chosen]).any():
                 self._count()
 
-    def pass_time(self, state: np.ndarray, duration: float) -> list[int]:
-        """Count for a time (s), after which the plant's state is this; return which movers have come to rest now."""
+    def pass_time(self, state: np.ndarray, duration: float, stepped: Sequence[int]) -> list[int]:
+        """Count for a time (s).
+
+        Args:
+            state: The plant's state after it.
+            duration: The time.
+            stepped: The movers that were stepped, also those that were at rest, which others may have moved.
+
+        Returns:
+            Those that have come to rest now.
+        """
+        beside = [number for number in stepped if self.rested[number] and self._can_move[number]]
+        stirred = [number for number in beside if not (np.abs(state[self._velocities[number]]) < STILL).all()]
         if not len(self._counted):
+            self.wake(stirred)
             return []
         still = np.maximum.reduceat(np.abs(state[self._every]), self._starts) < STILL
         times = np.where(still, np.minimum(self.times[self._counted] + duration, UNTIL_REST), 0.0)
@@ -72,6 +84,7 @@ class Rest:
         newly: list[int] = self._counted[times >= UNTIL_REST].tolist()
         if newly:
             self._count()
+        self.wake(stirred)
         return newly
 
     def velocities(self, number: int) -> np.ndarray:

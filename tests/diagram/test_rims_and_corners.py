@@ -51,6 +51,7 @@ def test_a_loose_box_has_balls_in_its_corners_that_touch_its_sides(tmp_path, kin
     assert places == {tuple(np.round(place, 12).tolist()) for place in expected}
 
 
+@pytest.mark.one_plant
 @pytest.mark.parametrize(("size", "balls"), [("0.4 0.4 0.4", 1), ("0.35 0.3 0.2", 1), ("0.02 0.02 0.4", 2)])
 def test_a_compact_box_stands_on_one_ball_a_corner_and_a_slim_one_on_two(tmp_path, size, balls):
     """Its facets and balls together are no more than the 64 facets of a box that had no balls."""
