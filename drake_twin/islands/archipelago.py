@@ -29,7 +29,7 @@ class Memory(NamedTuple):
 
     Attributes:
         groups: The movers of each island that is stepped.
-        until: The step at which they are found anew.
+        until: The step at which they are found again.
         rested: For how long each mover has been still (s).
         inputs: What has acted on them in the last step; None if that is what acts at present.
     """
@@ -130,7 +130,7 @@ class Archipelago:
         return Memory(groups, until, tuple(times.tolist()), inputs)
 
     def remember(self, memory: Memory | None) -> None:
-        """Continue with what was remembered; None to begin anew."""
+        """Continue with what was remembered; None to begin without."""
         self._groups, self._until = (memory.groups, memory.until) if memory is not None else ((), 0)
         self._found_at = -1
         self._rest.set_times(np.array(memory.rested) if memory is not None else np.zeros(len(self.movers)))

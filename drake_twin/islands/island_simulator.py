@@ -183,7 +183,7 @@ class IslandSimulator:
         }
 
     def remember(self, memory: Memory | None) -> None:
-        """Continue with what the archipelago remembered; None to begin anew."""
+        """Continue with what the archipelago remembered; None to begin without."""
         self._is_ahead = False
         self.archipelago.remember(memory)
 

@@ -185,7 +185,10 @@ class Reading:
     @cached_property
     def with_efforts(self) -> np.ndarray:
         """``[q; v]``, the efforts of all actuators (N·m or N), NaN and 0; shape (n + m + 2,)."""
-        efforts = self._ports.efforts(self.root_context, self._plant_context)
+        if self._ports.elsewhere is None:  # a call less for each message
+            efforts = self._plant.get_net_actuation_output_port().Eval(self._plant_context)
+        else:
+            efforts = self._ports.efforts(self.root_context, self._plant_context)
         return np.concatenate((self.state, efforts, _CONSTANTS))
 
     @cached_property

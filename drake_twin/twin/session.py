@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from pydrake.geometry import Meshcat
+from pydrake.systems.framework import Context
 
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram
 from drake_twin.errors import InputError, RunError, TwinError
@@ -231,6 +232,11 @@ class Session:
                 else:
                     found[name] = value
         return found
+
+    def handed_out(self) -> Context:
+        """Return the root context for a user, who may change parameters in it from now on."""
+        self.physics.is_handed_out = True
+        return self.physics.context
 
     def state_sha256(self) -> str:
         """Return the hash of all entries of a snapshot but the scenario."""

