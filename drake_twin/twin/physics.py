@@ -256,9 +256,8 @@ class Physics:
 
     def stepped(self) -> list[tuple[MultibodyPlant, Context]]:
         """Return the plants that are stepped, each with the root context of its diagram in the present state."""
-        if self.islands is None:
-            return [(self.built.plant, self.context)]
-        return [(island.plant, island.context) for island in self.islands.present()]
+        islands = [] if self.islands is None else self.islands.present()
+        return [(island.plant, island.context) for island in islands] or [(self.built.plant, self.context)]
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""
@@ -303,8 +302,10 @@ class Physics:
         for name, saved in state["robots"].items():
             self.set_robot_state(name, np.array(saved["state"], dtype=float))
             self._late.set_state(name, saved)
-        if self.islands is not None and state.get("islands"):
-            self.islands.set_state(state["islands"])
+        if islands := state.get("islands"):
+            if self.islands is None:
+                raise ValueError("its robots are in islands, and those of the twin are not")
+            self.islands.set_state(islands)
         self._set_wind(state)
         self._extensions.set_state(state.get("systems", {}))
 
