@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.geometry import SceneGraphInspector
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, Joint, JointIndex, QuaternionFloatingJoint
+from pydrake.multibody.tree import BodyIndex, Joint, JointIndex, QuaternionFloatingJoint, WeldJoint
 from pydrake.systems.framework import Context
 
 from drake_twin.dataclass import dataclass
@@ -243,13 +243,18 @@ def _anchors(plant: MultibodyPlant, inspector: SceneGraphInspector, number: int,
             below[joint.parent_body().index()].append(joint)
             hanging.add(joint.child_body().index())
     starts = [index for index in mover.places.bodies if index not in hanging]
-    for joint in below.get(world, ()):
+    jointed = below.get(world, [])
+    boxes = _boxes(plant, inspector, [*starts, *(joint.child_body().index() for joint in jointed)], below)
+    found = []
+    for joint in jointed:
         body = joint.child_body()
+        lower, upper = _hanging(joint, *boxes[body.index()])
+        if np.isfinite(lower).all() and np.isfinite(upper).all():
+            found.append(_anchor(number, world, None, None, lower, upper))
+            continue
         while not plant.GetCollisionGeometriesForBody(body) and len(below.get(body.index(), ())) == 1:
             body = below[body.index()][0].child_body()  # what a planar base moves is a body, and no way of its joints
         starts.append(body.index())
-    boxes = _boxes(plant, inspector, starts, below)
-    found = []
     for index in starts:
         body, (lower, upper) = plant.get_body(index), boxes[index]
         if (lower <= upper).all():  # else it has no shape
@@ -326,7 +331,9 @@ def _hanging(joint: Joint, lower: np.ndarray, upper: np.ndarray) -> tuple[np.nda
             return np.full(3, -inf), np.full(3, inf)
         ways = np.outer([ends[0] - MARGIN, ends[1] + MARGIN], axis)
         lower, upper = lower + ways.min(axis=0), upper + ways.max(axis=0)
-    elif kind != "weld":
+    elif isinstance(joint, WeldJoint):
+        lower, upper = _moved(joint.X_FM(), lower, upper)
+    else:
         if joint.num_positions() not in (2, 3, 4) or kind in ("planar", "prismatic"):
             return np.full(3, -inf), np.full(3, inf)
         reach = np.full(3, float(np.linalg.norm(far)))

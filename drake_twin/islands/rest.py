@@ -6,8 +6,9 @@ import numpy as np
 
 from drake_twin.islands.mover import Mover
 
-# A contact that sticks creeps at less than this (m/s; Drake's stiction tolerance in `drake_twin.diagram.plant`), and
-# what slides, rolls or swings is faster (rad/s).
+# What slides, rolls or swings is faster (m/s, rad/s). A contact that sticks creeps at 1e-5 r / sqrt(1 - r²) m/s, where
+# r is the part of its friction that is in use (Drake's stiction tolerance in `drake_twin.diagram.plant`): what uses
+# more than 0.7 of it does not rest, and is stepped as in one plant.
 STILL = 1e-5
 
 UNTIL_REST = 0.5  # s of simulated time

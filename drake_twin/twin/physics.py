@@ -121,8 +121,7 @@ class Physics:
         self.detachable_joints = DetachableJoints(self.built, self.context)
         if self.islands is not None:
             self.islands.archipelago.attachments = self.detachable_joints.attachments
-        plant = self.built.plant
-        joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        joints = map(self.built.plant.get_joint, self.built.plant.GetJointIndices())
         starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]
         self._quaternions = np.add.outer(np.array(starts, dtype=int), np.arange(4))
         self._turns = self._quaternions.ravel()
@@ -250,9 +249,9 @@ class Physics:
 
     def look_at_parameters(self) -> None:
         """Let the islands have the parameters of the context."""
-        if self.islands is not None and (parameters := self._parameters.changed(self.context)) != self._followed:
-            self._followed = parameters
-            self.islands.archipelago.follow_parameters(parameters)
+        if self.islands is not None and (now := self._parameters.changed(self.context)) != self._followed:
+            self._followed = now
+            self.islands.archipelago.follow_parameters(now)
 
     def stepped(self) -> list[tuple[MultibodyPlant, Context]]:
         """Return the plants that are stepped, each with the root context of its diagram in the present state."""
@@ -273,7 +272,8 @@ class Physics:
 
         For each robot these are its vector ``[q; v]`` and, for readers, the same by joint and the pose of its base.
         """
-        self.settle()  # a user may have written the state by Drake's own methods
+        self.settle()  # a user may have written the state by Drake's own methods, and parameters
+        self.look_at_parameters()
         state = {
             "robots": {plan.name: self._robot_entries(plan) for plan in self.built.plans},
             "models": self._model_states(),
