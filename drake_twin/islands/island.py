@@ -177,6 +177,10 @@ class Island:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.diagram])
 
+    def __del__(self) -> None:
+        if "simulator" in self.__dict__:  # of a twin that was dropped and not closed
+            self.discard()
+
     def bodies(self, plant: MultibodyPlant, elsewhere: Sequence[Places]) -> dict[BodyIndex, BodyIndex]:
         """Return each body here → the same one in another plant, in which the members have these places."""
         found = {

@@ -52,8 +52,7 @@ class IslandSimulator:
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.archipelago = Archipelago(built, scenario, self._context, parameterize, self._pool)
         assert built.ports.elsewhere is not None, "the plant holds the state"
-        self._ports = built.ports.elsewhere
-        self._ports.solutions = self
+        built.ports.elsewhere.ask(self)
 
     def get_mutable_context(self) -> Context:
         """Return the root context."""
@@ -199,7 +198,6 @@ class IslandSimulator:
         if self._pool is not None:
             self._pool.shutdown()
         self.archipelago.discard()
-        self._ports.solutions = None
         release([self._root])
 
 

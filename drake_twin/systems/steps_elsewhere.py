@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from typing import Any, Protocol
+from weakref import ref
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
@@ -52,7 +53,7 @@ class StepsElsewhere(WitnesslessSystem):
 
     def __init__(self, plant: MultibodyPlant, robots: Mapping[str, ModelInstanceIndex]):
         super().__init__()
-        self.solutions: Solutions | None = None
+        self._solutions: ref[Solutions] | None = None
         self._plant = plant
         self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._of_robots = {}
@@ -86,10 +87,15 @@ class StepsElsewhere(WitnesslessSystem):
         port: OutputPort = self._of_robots.get(int(instance)) or self._plant.get_net_actuation_output_port(instance)
         return port
 
+    def ask(self, solutions: Solutions) -> None:
+        """Ask these from now on, as long as somebody else keeps them: a system that is not released is never freed."""
+        self._solutions = ref(solutions)
+
     def _asked(self) -> Solutions:
-        if self.solutions is None:
+        solutions = None if self._solutions is None else self._solutions()
+        if solutions is None:
             raise RuntimeError("the twin's islands are not there yet: build a Twin, and use its context")
-        return self.solutions
+        return solutions
 
     def _calc_own(self, output: BasicVector, instance: ModelInstanceIndex) -> None:
         output.SetFromVector(self._plant.GetActuationFromArray(instance, self._asked().net_actuation()))

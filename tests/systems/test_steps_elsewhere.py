@@ -48,10 +48,15 @@ def plant():
 
 
 @pytest.fixture
-def dut(plant):
+def told():
+    return Told()
+
+
+@pytest.fixture
+def dut(plant, told):
     names = ("one", "two", "three")
     dut = StepsElsewhere(plant, {name: plant.GetModelInstanceByName(name) for name in names})
-    dut.solutions = Told()
+    dut.ask(told)
     return dut
 
 
@@ -71,19 +76,19 @@ def test_a_robot_without_motors_has_the_plants_empty_port(plant, dut):
     assert dut.net_actuation(instance).size() == 0
 
 
-def test_they_are_asked_again_once_an_input_has_changed(plant, dut):
+def test_they_are_asked_again_once_an_input_has_changed(plant, dut, told):
     context = dut.CreateDefaultContext()
     state = dut.GetInputPort("state").FixValue(context, np.zeros(plant.num_multibody_states()))
     for _ in range(2):
         dut.port("net_actuation").Eval(context)
-    assert dut.solutions.asked == 1
+    assert told.asked == 1
     state.GetMutableData().get_mutable_value().SetFromVector(np.ones(plant.num_multibody_states()))
-    dut.solutions.efforts = np.array([5.0, 6.0])
+    told.efforts = np.array([5.0, 6.0])
     assert dut.port("net_actuation").Eval(context).tolist() == [5.0, 6.0]
 
 
 def test_without_islands_they_have_no_value(dut):
-    dut.solutions = None
+    dut.ask(Told())  # nobody keeps it
     with pytest.raises(RuntimeError, match="build a Twin"):
         dut.port("net_actuation").Eval(dut.CreateDefaultContext())
 
