@@ -174,12 +174,13 @@ class Island:
         self.simulator.AdvanceTo(time)
 
     def discard(self) -> None:
-        """Release the diagram, so that its memory can be freed."""
-        release([self.simulator, self.diagram])
+        """Release the diagram, so that its memory can be freed; once, for what is released may be gone."""
+        if "diagram" in self.__dict__:
+            release([self.simulator, self.diagram])
+            self.__dict__.clear()
 
-    def __del__(self) -> None:
-        if "simulator" in self.__dict__:  # of a twin that was dropped and not closed
-            self.discard()
+    def __del__(self) -> None:  # of a twin that was dropped and not closed
+        self.discard()
 
     def bodies(self, plant: MultibodyPlant, elsewhere: Sequence[Places]) -> dict[BodyIndex, BodyIndex]:
         """Return each body here → the same one in another plant, in which the members have these places."""
