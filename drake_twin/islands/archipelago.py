@@ -276,7 +276,10 @@ class Archipelago:
         while len(parts) != known and any(len(part) > 1 for part in parts):
             known = len(parts)
             ways = after_blows(parts, owners, self._extents.speeds)[:, np.newaxis] * duration
-            parts = components(lower - ways, upper + ways, owners, rows, numbers.tolist(), self._tied)
+            least, most = lower - ways, upper + ways
+            if len(rows) < len(owners) and rested[owners[touched(least, most, rows)]].any():
+                rows, numbers = np.arange(len(owners)), np.arange(len(rested))
+            parts = components(least, most, owners, rows, numbers.tolist(), self._tied)
         groups = tuple(packed([part for part in parts if not rested[part].all()], self._most))
         self._clear = None
         if all(len(part) == 1 for part in parts):
