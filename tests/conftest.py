@@ -6,6 +6,7 @@ import sys
 from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import hypothesis
 import pytest
@@ -13,6 +14,7 @@ from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tes
 
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.scenario import CENIC, Scenario
+from drake_twin.twin.twin import Twin
 from drake_twin.wires.rclpy_process import find_rclpy
 
 # Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
@@ -56,6 +58,25 @@ if ISLANDS:
         in_one_plant.extend([True] * (request.node.get_closest_marker("one_plant") is not None))
         yield
         in_one_plant.clear()
+
+
+@pytest.fixture(autouse=True)
+def _close_twins_of_islands(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Generator[None]:
+    """Twins of tests/islands have many plants: each is closed after its test, so that their memory is freed."""
+    if request.path.parent.name != "islands":
+        yield
+        return
+    made: list[Twin] = []
+    plain = Twin.__init__
+
+    def note(self: Twin, *args: Any, **kwargs: Any) -> None:
+        plain(self, *args, **kwargs)
+        made.append(self)
+
+    monkeypatch.setattr(Twin, "__init__", note)
+    yield
+    for twin in made:
+        twin.close()
 
 
 def pytest_report_header() -> str | None:
