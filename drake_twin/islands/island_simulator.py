@@ -1,7 +1,7 @@
 """A simulator of a diagram whose plant only holds the state: its robots are stepped in islands."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from math import inf
 from typing import Any
@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, Role
 from pydrake.multibody.math import SpatialAcceleration, SpatialForce
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.analysis import InitializeParams, Simulator, SimulatorStatus
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin.diagram.release import release
 from drake_twin.diagram.twin_diagram import TwinDiagram
@@ -18,6 +20,7 @@ from drake_twin.islands.archipelago import Archipelago, Memory
 from drake_twin.islands.contacts import Contacts, JoinedContacts
 from drake_twin.islands.island import Island
 from drake_twin.islands.island_store import Parameterize
+from drake_twin.islands.mover import Places
 from drake_twin.scenario import Scenario
 
 _SAME = 1e-6  # steps
@@ -142,22 +145,27 @@ class IslandSimulator:
     def body_spatial_accelerations(self) -> list[SpatialAcceleration]:
         """Return the accelerations of all bodies in the world."""
         found = [SpatialAcceleration.Zero()] * self._plant.num_bodies()
-        for island in self.present():
-            values = island.plant.get_body_spatial_accelerations_output_port().Eval(island.plant_context)
-            for number, places in zip(island.members, island.places, strict=True):
-                for there, here in zip(self.archipelago.movers[number].places.bodies, places.bodies, strict=True):
-                    found[int(there)] = values[int(here)]
+        self._gather(found, MultibodyPlant.get_body_spatial_accelerations_output_port, lambda places: places.bodies)
         return found
 
     def reaction_forces(self) -> list[SpatialForce]:
         """Return the reactions in all joints."""
         found = [SpatialForce.Zero()] * self._plant.num_joints()
-        for island in self.present():
-            values = island.plant.get_reaction_forces_output_port().Eval(island.plant_context)
-            for number, places in zip(island.members, island.places, strict=True):
-                for there, here in zip(self.archipelago.movers[number].places.joints, places.joints, strict=True):
-                    found[there] = values[here]
+        self._gather(found, MultibodyPlant.get_reaction_forces_output_port, lambda places: places.joints)
         return found
+
+    def _gather(
+        self,
+        found: list[Any],
+        port: Callable[[MultibodyPlant], OutputPort],
+        own: Callable[[Places], Sequence[BodyIndex] | Sequence[int]],
+    ) -> None:
+        """Put what the islands' ports have for each body or joint to its place in a list."""
+        for island in self.present():
+            values = port(island.plant).Eval(island.plant_context)
+            for number, places in zip(island.members, island.places, strict=True):
+                for there, here in zip(own(self.archipelago.movers[number].places), own(places), strict=True):
+                    found[int(there)] = values[int(here)]
 
     def contact_results(self) -> JoinedContacts:
         """Return the contacts in all islands."""
