@@ -18,6 +18,11 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux's prctl
 
 
+def own_cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def python_command(module: str) -> tuple[str, ...]:
     """Return the command that runs a module as a program."""
     return (sys.executable, *(() if _searches_working_folder() else ("-P",)), "-m", module)

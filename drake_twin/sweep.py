@@ -25,7 +25,8 @@ from drake_twin.program import (
     stop_signals,
     write_each,
 )
-from drake_twin.sweeps.processes import Processes, workers_of_machine
+from drake_twin.python_process import own_cores
+from drake_twin.sweeps.processes import Processes
 
 if TYPE_CHECKING:
     from drake_twin.sweeps.dispatch import Dispatcher
@@ -118,7 +119,7 @@ def _program(arguments: Sequence[str]) -> int:
     _check(options)
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):  # a process for each core is enough
         os.environ.setdefault(name, "1")
-    cores = workers_of_machine()
+    cores = own_cores()
     ahead = min(options.workers or cores, cores) if options.engine == "processes" else 0
     with stop_signals() as stopped, Processes(ahead) as processes:
         return _sweep(options, arguments, stopped, processes)
@@ -194,9 +195,9 @@ def _engine(options: argparse.Namespace, sweep: "Sweep", left: int, processes: P
     if options.engine == "ray":
         from drake_twin.sweeps.ray_engine import RayEngine
 
-        cores = left if options.address else workers_of_machine()  # a cluster says itself how many it has
+        cores = left if options.address else own_cores()  # a cluster says itself how many it has
         return RayEngine(sweep, min(options.workers or cores, left), options.timeout, options.address)
-    return Engine(sweep, min(options.workers or workers_of_machine(), left), options.timeout, processes)
+    return Engine(sweep, min(options.workers or own_cores(), left), options.timeout, processes)
 
 
 def _described(options: argparse.Namespace) -> "Sweep":

@@ -72,10 +72,7 @@ def apply_forces(
     sources = [source for source in found if source is not None]
     if not sources:
         return
-    system = builder.AddNamedSystem(_ALL, ExternallyAppliedSpatialForceMultiplexer(len(sources) + 1))
-    for number, source in enumerate(sources):
-        builder.Connect(source, system.get_input_port(number))
-    pushes = system.get_input_port(len(sources))
+    pushes = join_forces(builder, plant, sources)
     none = builder.AddNamedSystem("forces/no_pushes", ConstantValueSource(pushes.Allocate()))
     if builder.HasSubsystemNamed(_ON_LINKS) and builder.GetSubsystemByName(_ON_LINKS).HasInputPort("pushes"):
         heard = builder.AddNamedSystem(_PUSHES, PassThrough(pushes.Allocate()))
@@ -83,7 +80,16 @@ def apply_forces(
         builder.Connect(heard.get_output_port(), builder.GetSubsystemByName(_ON_LINKS).GetInputPort("pushes"))
         pushes = heard.get_input_port()
     builder.Connect(none.get_output_port(), pushes)
+
+
+def join_forces(builder: DiagramBuilder, plant: MultibodyPlant, sources: Sequence[OutputPort]) -> InputPort:
+    """Apply the forces of some ports to a plant, and return the port for pushes, which has no value yet."""
+    system = builder.AddNamedSystem(_ALL, ExternallyAppliedSpatialForceMultiplexer(len(sources) + 1))
+    for number, source in enumerate(sources):
+        builder.Connect(source, system.get_input_port(number))
     builder.Connect(system.get_output_port(), plant.get_applied_spatial_force_input_port())
+    pushes: InputPort = system.get_input_port(len(sources))
+    return pushes
 
 
 def follow_masses(diagram: Diagram, plant: MultibodyPlant, root: Context) -> None:

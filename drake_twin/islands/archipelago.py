@@ -308,19 +308,23 @@ class Archipelago:
 
     def _take(self, groups: tuple[tuple[int, ...], ...], state: np.ndarray, step: int) -> None:
         """Let groups of movers take islands; a group that was one before goes on in its island."""
-        time = step * self._time_step
         before = {tuple(sorted(island.members)): island for island in self.islands}
         kept = {group: before.pop(group) for group in groups if group in before}
         self._store.give_back(before.values())
-        self.islands, self._places = [], []
-        for group in groups:
-            ordered = sorted(group, key=lambda number: (self._store.kinds[number], number))
-            island = kept.get(group) or self._store.take(ordered)
-            places = np.concatenate([self.movers[number].places.state for number in ordered])
-            island.take(ordered, state[places], time)
-            self.islands.append(island)
-            self._places.append(places)
+        self.islands = [self._moved_in(group, state, step, kept.get(group)) for group in groups]
+        self._places = [self._places_of(island.members) for island in self.islands]
         self._taken = groups
+
+    def _moved_in(self, group: tuple[int, ...], state: np.ndarray, step: int, known: Island | None = None) -> Island:
+        """Let a group of movers take an island, or take the same one again, and return it."""
+        ordered = sorted(group, key=lambda number: (self._store.kinds[number], number))
+        island = known or self._store.take(ordered)
+        island.take(ordered, state[self._places_of(ordered)], step * self._time_step)
+        return island
+
+    def _places_of(self, members: Sequence[int]) -> np.ndarray:
+        """Return the places of some movers in the plant's state, one after the other."""
+        return np.concatenate([self.movers[number].places.state for number in members])
 
     # What follows from the step to come.
 
@@ -342,19 +346,10 @@ class Archipelago:
         before = {tuple(sorted(island.members)): island for island in self._resting}
         kept = {group: before.pop(group) for group in wanted if group in before}
         self._store.give_back(before.values())
-        new = []
-        self._resting = []
-        for group in wanted:
-            ordered = sorted(group, key=lambda number: (self._store.kinds[number], number))
-            island = kept.get(group)
-            if island is None:
-                island = self._store.take(ordered)
-                places = np.concatenate([self.movers[number].places.state for number in ordered])
-                island.take(ordered, self._state[places], step * self._time_step)
-                new.append(island)
-            self._resting.append(island)
-        self.inputs.give(new, None)
-        for island in new if self._tied else ():
+        new = {group: self._moved_in(group, self._state, step) for group in wanted if group not in kept}
+        self._resting = [kept.get(group) or new[group] for group in wanted]
+        self.inputs.give(new.values(), None)
+        for island in new.values() if self._tied else ():
             island.attach(self._attached)
         return [*self.islands, *self._resting]
 

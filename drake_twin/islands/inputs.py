@@ -129,8 +129,8 @@ class Inputs:
                     continue
                 is_changed = True
                 if len(island.places[place].actuators):
-                    island.follow_motors(place, self._plant, self._movers[number].places)
-                    island.command(place, *self._known[number])
+                    is_moved = island.follow_motors(place, self._plant, self._movers[number].places)
+                    island.command(place, *self._known[number], is_moved=is_moved)
             if is_changed:
                 island.push(self._pushes(island))
             if self._generalized_forces is not None:

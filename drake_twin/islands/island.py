@@ -1,28 +1,24 @@
 """A plant of its own for a few robots and models, with places that any mover of a kind can take."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.geometry import FilterId, GeometryId, SceneGraph, SceneGraphInspector
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import (
-    ExternallyAppliedSpatialForce,
-    ExternallyAppliedSpatialForceMultiplexer,
-    MultibodyPlant,
-)
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.analysis import InitializeParams, Simulator
-from pydrake.systems.framework import BusValue, Diagram, DiagramBuilder, FixedInputPortValue, InputPort
+from pydrake.systems.framework import BusValue, Diagram, DiagramBuilder, FixedInputPortValue
 
+from drake_twin.diagram.applied_forces import join_forces, wrench_port
 from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments
 from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.release import release
 from drake_twin.islands.mover import Mover, Places, places_of
 
-_ALL = "forces/all"  # the system that adds pushes to the moments
 _QUIET = InitializeParams(suppress_initialization_events=True)
 
 
@@ -61,9 +57,7 @@ class Island:
         self.simulator = Simulator(diagram)
         self.context = self.simulator.get_mutable_context()
         self.plant_context = plant.GetMyMutableContextFromRoot(self.context)
-        self._pushes: InputPort = plant.get_applied_spatial_force_input_port()
-        if diagram.HasSubsystemNamed(_ALL):
-            self._pushes = diagram.GetSubsystemByName(_ALL).get_input_port(1)
+        self._pushes = wrench_port(diagram, plant)
         self.members: tuple[int, ...] = ()
         self._held: dict[tuple[str, str], tuple[tuple[float, ...], FilterId | None]] = {}
         self._state = np.concatenate([places.state for places in self.places])
@@ -80,7 +74,7 @@ class Island:
             self._desired.append(desired)
             self._actuation.append(actuation)
         self._generalized = plant.get_applied_generalized_force_input_port()
-        self._has_pushes = True
+        self._given: dict[Hashable, bytes] = {}  # the values that inputs have
         self.push(())
 
     def take(self, members: Sequence[int], state: np.ndarray, time: float) -> None:
@@ -102,12 +96,21 @@ class Island:
         state: np.ndarray = self.plant.GetPositionsAndVelocities(self.plant_context)[self._state]
         return state
 
-    def command(self, place: int, desired: np.ndarray, actuation: np.ndarray) -> None:
-        """Set the set-points of the servos in a place (``[q_d; v_d]``), and the efforts added to them."""
-        one, other = self._desired[place], self._actuation[place]
-        if one is not None and other is not None:
-            one.GetMutableData().get_mutable_value().SetFromVector(desired)
-            other.GetMutableData().get_mutable_value().SetFromVector(actuation)
+    def command(self, place: int, desired: np.ndarray, actuation: np.ndarray, *, is_moved: bool) -> None:
+        """Set the set-points of the servos in a place (``[q_d; v_d]``), and the efforts added to them.
+
+        What is as it was is not set: a step would be solved twice, once for who reads its efforts.
+
+        Args:
+            place: The place.
+            desired: The set-points.
+            actuation: The efforts.
+            is_moved: Whether the motors have other gains, of which the solution of the step does not know.
+        """
+        inputs = ("desired", self._desired, desired), ("actuation", self._actuation, actuation)
+        for name, ports, values in inputs:
+            if (port := ports[place]) is not None and self._is_new((name, place), values, is_moved=is_moved):
+                port.GetMutableData().get_mutable_value().SetFromVector(values)
 
     def push(self, forces: Sequence[tuple[BodyIndex, ExternallyAppliedSpatialForce]]) -> None:
         """Apply forces to bodies, and no others.
@@ -115,7 +118,11 @@ class Island:
         Args:
             forces: The body here, and the force with the body's index elsewhere.
         """
-        if not forces and not self._has_pushes:
+        numbers = [
+            (float(index), *given.p_BoBq_B, *given.F_Bq_W.rotational(), *given.F_Bq_W.translational())
+            for index, given in forces
+        ]
+        if not self._is_new("pushes", np.array(numbers)):
             return
         own = []
         for index, given in forces:
@@ -124,7 +131,6 @@ class Island:
             force.F_Bq_W = SpatialForce(tau=given.F_Bq_W.rotational(), f=given.F_Bq_W.translational())
             own.append(force)
         self._pushes.FixValue(self._pushes.get_system().GetMyMutableContextFromRoot(self.context), own)
-        self._has_pushes = bool(own)
 
     def drive(self, forces: np.ndarray, first: int, elsewhere: Sequence[Places]) -> None:
         """Apply generalized forces, given in the order of another plant.
@@ -138,14 +144,41 @@ class Island:
         for places, there in zip(self.places, elsewhere, strict=True):
             is_velocity = places.state >= nq
             own[places.state[is_velocity] - nq] = forces[there.state[is_velocity] - first]
-        self._generalized.FixValue(self.plant_context, own)
+        if self._is_new("generalized", own):
+            self._generalized.FixValue(self.plant_context, own)
 
     def move_surfaces(self, speeds: Mapping[str, float]) -> None:
         """Move the surfaces of bodies at these speeds (m/s), by their scoped names."""
-        bus = BusValue()
-        for name, speed in speeds.items():
-            bus.Set(name, Value(speed))
-        self.plant.get_surface_speeds_input_port().FixValue(self.plant_context, Value(bus))
+        if self._is_new("surfaces", np.array(list(speeds.values()))):
+            bus = BusValue()
+            for name, speed in speeds.items():
+                bus.Set(name, Value(speed))
+            self.plant.get_surface_speeds_input_port().FixValue(self.plant_context, Value(bus))
+
+    def _is_new(self, what: Hashable, values: np.ndarray, *, is_moved: bool = False) -> bool:
+        """Tell whether an input has other values than it was given the last time, and note these."""
+        is_same = what in self._given and self._given[what] == values.tobytes()
+        self._given[what] = values.tobytes()
+        return is_moved or not is_same
+
+    def follow_motors(self, place: int, plant: MultibodyPlant, elsewhere: Places) -> bool:
+        """Give the motors in a place the gains and limits that they have in another plant; return if they differ."""
+        is_moved = False
+        for own_instance, instance in zip(self.places[place].instances, elsewhere.instances, strict=True):
+            motors = zip(
+                self.plant.GetJointActuatorIndices(own_instance), plant.GetJointActuatorIndices(instance), strict=True
+            )
+            for number, (own_index, index) in enumerate(motors):
+                own, other = self.plant.get_joint_actuator(own_index), plant.get_joint_actuator(index)
+                gains = other.get_controller_gains() if other.has_controller() else None
+                limit = other.effort_limit()
+                values = np.array([limit] if gains is None else [limit, gains.p, gains.d])
+                if self._is_new(("motor", int(own_instance), number), values):
+                    is_moved = True
+                    if gains is not None:
+                        own.set_controller_gains(gains)
+                    own.set_effort_limit(limit)
+        return is_moved
 
     def attach(self, poses: Mapping[tuple[str, str], tuple[float, ...]]) -> None:
         """Let the joints that come and go hold their children at these poses (3×4, row by row), or let them go."""
@@ -156,18 +189,6 @@ class Island:
                 X_PC = RigidTransform(np.array(pose).reshape(3, 4)) if pose else None
                 known = None if before is None else before[1]
                 self._held[name] = pose, joint.hold(self.plant, self.scene_graph, self.context, X_PC, known)
-
-    def follow_motors(self, place: int, plant: MultibodyPlant, elsewhere: Places) -> None:
-        """Give the motors in a place the gains and limits that they have in another plant."""
-        for own_instance, instance in zip(self.places[place].instances, elsewhere.instances, strict=True):
-            motors = zip(
-                self.plant.GetJointActuatorIndices(own_instance), plant.GetJointActuatorIndices(instance), strict=True
-            )
-            for own_index, index in motors:
-                own, other = self.plant.get_joint_actuator(own_index), plant.get_joint_actuator(index)
-                if other.has_controller():
-                    own.set_controller_gains(other.get_controller_gains())
-                own.set_effort_limit(other.effort_limit())
 
     def advance_to(self, time: float) -> None:
         """Step to a time (s)."""
@@ -233,9 +254,7 @@ def build_island(builder: DiagramBuilder, parts: PlantOfTwin, models: Sequence[M
     plant = parts.plant
     moments = add_gyroscopic_moments(builder, plant)
     if moments is not None:
-        both = builder.AddNamedSystem(_ALL, ExternallyAppliedSpatialForceMultiplexer(2))
-        builder.Connect(moments, both.get_input_port(0))
-        builder.Connect(both.get_output_port(), plant.get_applied_spatial_force_input_port())
+        join_forces(builder, plant, [moments])
     places = [
         places_of(plant, (parts.robots[mover.name].instance,) if mover.is_robot else parts.world_models[mover.name])
         for mover in models

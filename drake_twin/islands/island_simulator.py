@@ -1,6 +1,5 @@
 """A simulator of a diagram whose plant only holds the state: its robots are stepped in islands."""
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from math import inf
@@ -21,6 +20,7 @@ from drake_twin.islands.contacts import Contacts, JoinedContacts
 from drake_twin.islands.island import Island
 from drake_twin.islands.island_store import Parameterize
 from drake_twin.islands.mover import Places
+from drake_twin.python_process import own_cores
 from drake_twin.scenario import Scenario
 
 _SAME = 1e-6  # steps
@@ -51,7 +51,7 @@ class IslandSimulator:
         self._periods = _periods(built, scenario.time_step)
         self._step = 0
         self._is_ahead = False  # whether the step of the present time is made already
-        threads = scenario.threads or len(os.sched_getaffinity(0))
+        threads = scenario.threads or own_cores()
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.archipelago = Archipelago(built, scenario, self._context, parameterize, self._pool)
         assert built.ports.elsewhere is not None, "the plant holds the state"

@@ -5,11 +5,12 @@ from collections.abc import Hashable, Iterator
 import numpy as np
 from pydrake.geometry import ProximityProperties, SceneGraphInspector
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, QuaternionFloatingJoint, RigidBody
+from pydrake.multibody.tree import BodyIndex, JointIndex, ModelInstanceIndex, QuaternionFloatingJoint, RigidBody
 from pydrake.systems.framework import Context
 
 from drake_twin.dataclass import dataclass
 from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.planning.robot_plan import RobotPlan
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,31 +73,43 @@ def places_of(plant: MultibodyPlant, instances: tuple[ModelInstanceIndex, ...]) 
 def movers_of(built: TwinDiagram, inspector: SceneGraphInspector) -> list[Mover]:
     """Return the robots, then the moving models of the world, each in the diagram's order."""
     plant = built.plant
-    found = [(plan.name, True, (built.robots[plan.name].instance,)) for plan in built.plans]
-    found += [(name, False, instances) for name, instances in built.world_models.items()]
+    plans = {plan.name: plan for plan in built.plans}
+    found = [(name, (built.robots[name].instance,)) for name in plans]
+    found += list(built.world_models.items())
     tied = {int(body.model_instance()) for joint in built.detachable_joints for body in (joint.parent, joint.child)}
     context = plant.CreateDefaultContext()
     movers = []
-    for name, is_robot, instances in found:
-        places = places_of(plant, instances)
-        if places.bodies:
-            kind = name if tied.intersection(map(int, instances)) else _kind(plant, context, inspector, name, places)
-            movers.append(Mover(name, is_robot, places, kind))
+    for name, instances in found:
+        places, plan = places_of(plant, instances), plans.get(name)
+        if not places.bodies:
+            continue
+        kind: Hashable = name
+        if not tied.intersection(map(int, instances)) and _is_loose(plant, places, may_have_joints=plan is not None):
+            kind = _numbers(plant, context, inspector, places), None if plan is None else _texts(plan)
+        movers.append(Mover(name, plan is not None, places, kind))
     return movers
 
 
-def _kind(
-    plant: MultibodyPlant, context: Context, inspector: SceneGraphInspector, name: str, places: Places
-) -> Hashable:
-    """Return all that the physics of a mover depends on; its name, if it is jointed to a place of the world."""
-    bodies = [plant.get_body(index) for index in places.bodies]
-    joints = [plant.get_joint(index) for instance in places.instances for index in plant.GetJointIndices(instance)]
+def _is_loose(plant: MultibodyPlant, places: Places, *, may_have_joints: bool) -> bool:
+    """Tell whether nothing joints a mover to a place of the world, nor its own bodies if it may not have joints."""
     world = plant.world_body().index()
-    if any(
-        joint.parent_body().index() == world and joint.type_name() != QuaternionFloatingJoint.kTypeName
-        for joint in joints
-    ):
-        return name
+    joints = [plant.get_joint(JointIndex(index)) for index in places.joints]
+    own = [joint for joint in joints if joint.type_name() != QuaternionFloatingJoint.kTypeName]
+    return not own or (may_have_joints and all(joint.parent_body().index() != world for joint in own))
+
+
+def _texts(plan: RobotPlan) -> Hashable:
+    """Return what decides on a robot's physics beside its numbers: springs, mimic joints, friction, what touches."""
+    robot = plan.robot
+    texts = (plan.description.text.replace(plan.name, ""), plan.model.drake_text.replace(plan.name, ""))
+    friction = robot.friction, tuple(sorted(robot.joint_friction.items()))
+    return *texts, *friction, robot.contact, robot.collision, robot.self_collision
+
+
+def _numbers(plant: MultibodyPlant, context: Context, inspector: SceneGraphInspector, places: Places) -> Hashable:
+    """Return the masses, shapes, joints and motors of a mover."""
+    bodies = [plant.get_body(index) for index in places.bodies]
+    joints = [plant.get_joint(JointIndex(index)) for index in places.joints]
     numbers = {body.index(): number for number, body in enumerate(bodies)}
     parts: list[Hashable] = []
     for body in bodies:

@@ -31,15 +31,8 @@ class Rest:
         places = [mover.places.state[mover.places.state >= first] for mover in movers]
         self._velocities = places
         self._can_move = np.array([len(own) > 0 for own in places], dtype=bool)
-        self._every, self._starts, self._counted = (
-            np.empty(0, dtype=int),
-            np.empty(0, dtype=int),
-            np.empty(0, dtype=int),
-        )
-        self.times = np.zeros(len(movers))
-        self.rested = ~self._can_move
         self.version = 0
-        self._count()
+        self.set_times(np.zeros(len(movers)))
 
     def set_times(self, times: np.ndarray) -> None:
         """Set for how long each has been still (s)."""

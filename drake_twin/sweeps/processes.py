@@ -15,11 +15,6 @@ from typing import NamedTuple, Self
 from drake_twin.python_process import die_with, end_module_search, ignore_stops, same_module_search, stops_held_back
 
 
-def workers_of_machine() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 class Started(NamedTuple):
     """A process that was started.
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drake_twin.systems.steps_elsewhere import StepsElsewhere
 
 _CONSTANTS = np.array([np.nan, 0.0])
+
 # Outputs of a plant that follow from its next step.
 _OF_THE_STEP = {
     "net_actuation",

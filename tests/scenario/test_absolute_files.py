@@ -57,6 +57,7 @@ def test_a_snapshot_and_a_recording_mean_the_same_in_another_folder(here, monkey
     assert twin.state_sha256() == then
 
 
+@pytest.mark.one_plant  # the program that continues is one of its own
 def test_the_program_continues_in_another_folder(here):
     twin = Twin(scenario())
     twin.snapshot().save(here / "state.json")
