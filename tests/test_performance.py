@@ -254,6 +254,7 @@ class Forces(LeafSystem):
         output.SetFromVector(np.zeros(output.size()))
 
 
+@pytest.mark.one_plant  # it counts who asks the plant; of islands see tests/islands/test_choice.py
 @pytest.mark.parametrize("time_step", [0.001, 0.01])
 @pytest.mark.parametrize("topics", [(), ("/joint_states", "/tf", "/clock")], ids=["unheard", "heard"])
 def test_a_step_is_solved_once_whoever_listens(time_step, topics):

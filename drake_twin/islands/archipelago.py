@@ -86,7 +86,7 @@ class Archipelago:
         self._attached: dict[tuple[str, str], tuple[float, ...]] = {}
         self.attachments: Callable[[], Attachments] = dict
         self.islands: list[Island] = []
-        self._resting: list[Island] = []  # of movers that rest, and whose forces somebody has asked for
+        self._resting: list[Island] = []  # of movers that rest, and whose forces were asked for
         self._places: list[np.ndarray] = []  # of the members of each island in the plant's state
         self._groups: tuple[tuple[int, ...], ...] = ()
         self._taken: tuple[tuple[int, ...], ...] | None = None  # those that the islands have
@@ -307,7 +307,7 @@ class Archipelago:
         return set() if before == self._attached else {number for pair in self._tied for number in pair}
 
     def _take(self, groups: tuple[tuple[int, ...], ...], state: np.ndarray, step: int) -> None:
-        """Let groups of movers take islands; a group that was one before goes on in its island."""
+        """Let groups of movers take islands; a group that was one before stays in its island."""
         before = {tuple(sorted(island.members)): island for island in self.islands}
         kept = {group: before.pop(group) for group in groups if group in before}
         self._store.give_back(before.values())

@@ -88,7 +88,7 @@ class StepsElsewhere(WitnesslessSystem):
         return port
 
     def ask(self, solutions: Solutions) -> None:
-        """Ask these from now on, as long as somebody else keeps them: a system that is not released is never freed."""
+        """Ask these from now on, as long as others keep them: a system that is not released is never freed."""
         self._solutions = ref(solutions)
 
     def _asked(self) -> Solutions:
