@@ -12,6 +12,7 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     InputPort,
+    NumericParameterIndex,
     OutputPort,
 )
 
@@ -74,9 +75,10 @@ class JointServo(WitnesslessSystem):
     - ``actuation``: vector of the efforts added to the servos' (N·m or N).
     - ``commanded_motion``: vector of one element: 1 if a velocity or an effort other than zero is commanded, else 0.
 
-    They follow from the controllers' ports and the assignment alone, so they are computed once a command. Commands are
-    clamped to the limits; the first command of each interface that is cut is logged as a warning. An effort drives its
-    joint towards the joint's velocity limit, with that effort as the actuator's limit, which belongs to the plant.
+    They follow from the controllers' ports, the assignment and the shift alone, so they are computed once a command.
+    Commands are clamped to the limits; the first command of each interface that is cut is logged as a warning. An
+    effort drives its joint towards the joint's velocity limit, with that effort as the actuator's limit, which belongs
+    to the plant.
 
     Args:
         controllers: Controller name → the number of its values.
@@ -115,6 +117,8 @@ class JointServo(WitnesslessSystem):
         prerequisites = {self.input_port_ticket(port.get_index()) for port in self._ports}
         prerequisites.add(self.abstract_state_ticket(self._assignment))
         size = len(self._lower[0])
+        self._shift = self.DeclareNumericParameter(BasicVector(np.zeros(size)))
+        prerequisites.add(self.numeric_parameter_ticket(NumericParameterIndex(self._shift)))
         self._desired_state = self.DeclareVectorOutputPort(
             "desired_state", 2 * size, weakly(self._calc_desired_state), prerequisites
         )
@@ -152,6 +156,14 @@ class JointServo(WitnesslessSystem):
     def assign(self, context: Context, assignment: ServoAssignment) -> None:
         """Change the sources of the set-points; the caller applies the gains of the new modes to the plant."""
         context.SetAbstractState(int(self._assignment), assignment)
+
+    def shift(self, context: Context) -> np.ndarray:
+        """Return by how much each actuator's position is drawn elsewhere than commanded (rad or m); zero at the start."""
+        return np.array(context.get_numeric_parameter(self._shift).value())
+
+    def set_shift(self, context: Context, shift: np.ndarray) -> None:
+        """Let the servos draw to other positions than commanded, as those of a robot that gives way do."""
+        context.get_mutable_numeric_parameter(self._shift).SetFromVector(shift)
 
     def check(self, assignment: ServoAssignment) -> None:
         """Check that an assignment fits this robot.
@@ -197,6 +209,7 @@ class JointServo(WitnesslessSystem):
         assignment, values = self.assignment(context), self._values(context)
         positions = self._clamped(0, values, assignment.positions)
         velocities = self._clamped(1, values, assignment.velocities)
+        shift = context.get_numeric_parameter(self._shift).value().tolist()
         for index, source in enumerate(assignment.positions):
             if isnan(positions[index]):
                 positions[index] = assignment.holds[index]
@@ -204,6 +217,7 @@ class JointServo(WitnesslessSystem):
             at_end = source >= 0 and not self._lower[0][index] < positions[index] < self._upper[0][index]
             if at_end or isnan(velocities[index]):
                 velocities[index] = 0.0
+            positions[index] += shift[index]
             if assignment.modes[index] in self._own_velocities:
                 velocities[index] = self._own_velocities[assignment.modes[index]][index]
         if self._limited:
