@@ -19,7 +19,6 @@ TWO_LINKS = """<sdf version="1.9"><model name="m">
 <spring_stiffness>{}</spring_stiffness><spring_reference>0.3</spring_reference></dynamics></axis></joint></model></sdf>"""
 
 
-@pytest.mark.one_plant
 @pytest.mark.one_plant  # the choice itself is tested
 def test_more_than_eight_robots_are_in_islands_by_default():
     assert [demo_scenario("rover", count).most_in_an_island for count in (1, 8, 9)] == [0, 0, 8]
@@ -54,7 +53,6 @@ def test_a_system_that_reads_what_only_islands_know_is_refused_by_its_name(tmp_p
         builder.build()
 
 
-@pytest.mark.one_plant
 @pytest.mark.one_plant  # the choice itself is tested
 def test_a_state_of_islands_is_refused_where_there_are_none(tmp_path):
     twin = crates(tmp_path, model("a", (0, 0, 0.2)), islands=1).build()
