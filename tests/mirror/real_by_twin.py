@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.multibody.tree import PdControllerGains
-from real_robot import COMMANDS, PLACE, Base, RealRobot, arm_start
+from real_robot import COMMANDS, PLACE, Base, RealRobot
+from robot_commands import arm_start
 from robot_faults import Fault
 
 from drake_twin import Twin
@@ -90,6 +91,8 @@ class TwinBody:
     def command(self, velocities: Sequence[float]) -> None:
         """Drive the joints."""
         self._command = list(velocities)
+        if self._stuck is not None:  # else it creeps: what its motor tries is said in `measured`
+            velocities = [0.0 if index == self._stuck else value for index, value in enumerate(velocities)]
         self.twin.publish(COMMANDS, velocities)
 
     def measured(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -124,6 +127,7 @@ class TwinBody:
         elif fault.kind == "joint_stuck":
             self._brake(joint, _STUCK, _STUCK)
             self._stuck = fault.joint
+            self.command(self._command)
         elif fault.kind == "collision" and self.kind == "rover":
             toward = np.array([np.cos(fault.direction), np.sin(fault.direction), 0.0])
             at = -toward / max(abs(toward[:2]) / (0.29, 0.16))  # on the side of the chassis that is hit
