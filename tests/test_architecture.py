@@ -20,6 +20,7 @@ ROOMS = [
     ["run", "check", "play", "sweep", "calibrate", "tools"],
     ["benchmarks"],
     ["gym"],
+    ["mirror"],
     ["calibration"],
     ["sweeps"],
     ["cli"],
