@@ -51,7 +51,7 @@ class JointWatch:
         self.robot = plan.name
         self._allowed, self._found = allowed, found
         self._joints = {joint.name: joint for joint in plan.description.movable_joints}
-        self._root = plan.model.root_body
+        self._root, self._is_fixed = plan.model.root_body, plan.model.is_fixed
         self._up: np.ndarray | None = None  # in the root link's frame, at the start
         self._since: dict[int, float] = {}  # actuator → since when it is at its limit (s)
         self.goals: list[Goal] = []
@@ -96,11 +96,11 @@ class JointWatch:
         if self._driven:
             self._look_at_commands()
             self._look_at_efforts()
-        tilt = self._tilt()
-        if tilt > self._allowed.tilt:
+        if not self._is_fixed and self._tilt() > self._allowed.tilt:
             text = f"{self.robot} tilts by more than {degrees(self._allowed.tilt):.3g}°"
             self._found.add(TIPPING, self.robot, (self._root,), text)
-        self._look_at_goals(dict(zip(self._names, q.tolist(), strict=True)))
+        if any(goal.time <= self._found.time + 1e-9 for goal in self.goals):
+            self._look_at_goals(dict(zip(self._names, q.tolist(), strict=True)))
 
     def finish(self) -> None:
         """Note the goals whose time to settle was not simulated to its end."""
@@ -140,7 +140,9 @@ class JointWatch:
                     self._check_speed(joint, abs(way) / (time - passed), start + passed)
                 before, passed = q, time
         if points[-1].positions:
-            self.goals.append(Goal(start + times[-1], dict(zip(joints, points[-1].positions, strict=True))))
+            self.goals.append(
+                Goal(max(start + times[-1], self._found.time), dict(zip(joints, points[-1].positions, strict=True)))
+            )
 
     def _check_speed(self, joint: Joint, speed: float, time: float) -> None:
         if speed > _speed(joint) * (1.0 + _ROUNDING):

@@ -5,20 +5,22 @@ follows the robot as before.
 """
 
 import contextlib
+import os
 import signal
 import subprocess
 import threading
 import time as wall
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import CancelledError, Future
+from functools import partial
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from typing import Any, NamedTuple, Self
 
-from drake_twin.errors import InputError, RunError
+from drake_twin.errors import InputError, RunError, TwinError, described
 from drake_twin.messages import shortened
-from drake_twin.mirror.look_ahead_worker import DONE, READY
+from drake_twin.mirror.look_ahead_worker import DONE, INVALID, READY
 from drake_twin.mirror.run_ahead import LONGEST_STEP
 from drake_twin.mirror.trajectory_verdict import Allowed, Verdict
 from drake_twin.python_process import python_command, stops_held_back
@@ -59,7 +61,7 @@ class PendingVerdict:
 
         Raises:
             InputError: If the scenario cannot be built.
-            RunError: If there is no verdict yet, or the process has ended without one.
+            RunError: If the verdict takes longer, or the process has ended without one.
         """
         try:
             return self._future.result(timeout)
@@ -160,8 +162,8 @@ class LookAhead:
             snapshot: The moment to begin at: `Twin.snapshot`.
             commands: When (s from then) what would be published on which topic, or be sent as a goal to which action:
                 messages, or their fields. Without any, what is under way is continued.
-            duration: How long to look ahead (s); by default until joints have settled after the last trajectory, or, if
-                there is none, 5 s after the last command.
+            duration: How long to look ahead (s); by default until joints have settled after the last trajectory, or 5 s
+                after the last command that has no end. The ends of trajectories that are later are not judged.
             allowed: What is not a problem.
 
         Raises:
@@ -203,19 +205,10 @@ class LookAhead:
     # In the thread ---------------------------------------------------------------------------------------------------
 
     def _serve(self) -> None:
-        try:
-            self._start()
-        except (InputError, RunError) as error:
-            self._warm.set_exception(error)
-        else:
-            self._warm.set_result(None)
+        _settle(self._warm, self._start)
         while (request := self._requests.get()) is not None:
-            if not request.future.set_running_or_notify_cancel():
-                continue
-            try:
-                request.future.set_result(self._verdict(request.message))
-            except (InputError, RunError) as error:
-                request.future.set_exception(error)
+            if request.future.set_running_or_notify_cancel():
+                _settle(request.future, partial(self._verdict, request.message))
         self._end()
         while not self._requests.empty():
             request = self._requests.get()
@@ -238,12 +231,13 @@ class LookAhead:
             RunError: If the process ends before.
         """
         ours, theirs = Pipe()
+        numbers = (theirs.fileno(), os.getpid())
         with self._lock:
             if self._is_closed:
                 raise RunError(_CLOSED)
             with stops_held_back():
                 self._process = subprocess.Popen(
-                    [*python_command("drake_twin.mirror.look_ahead_worker"), str(theirs.fileno())],
+                    [*python_command("drake_twin.mirror.look_ahead_worker"), *map(str, numbers)],
                     pass_fds=[theirs.fileno()],
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.DEVNULL,
@@ -258,7 +252,7 @@ class LookAhead:
 
         Raises:
             InputError: If the answer is that something is invalid.
-            RunError: If there is no answer.
+            RunError: If an answer is missing.
         """
         assert self._link is not None, "it has been started"
         begin = wall.monotonic()
@@ -272,10 +266,12 @@ class LookAhead:
                 raise RunError(f"the process that looks ahead has not answered for {longest:g} s, and was ended")
         if answer is None:
             raise RunError(_CLOSED if self._is_closed else self._how_it_ended())
-        if answer[0] != expected:
-            self._end()
-            raise InputError(answer[1])
-        return answer[1]
+        what, value = answer
+        if what != expected:
+            if expected == READY:
+                self._end()
+            raise InputError(value) if what == INVALID else RunError(f"the check has failed: {value}")
+        return value
 
     def _how_it_ended(self) -> str:
         process = self._process
@@ -316,7 +312,7 @@ def check_trajectory(
 
     Raises:
         InputError: If an argument is invalid, or the call is made inside a callback.
-        RunError: If there is no verdict.
+        RunError: If the verdict takes longer, or the process has ended without one.
     """
     return look_ahead_of(twin).check(twin.snapshot(), [(0.0, topic, trajectory)], duration, allowed).result(timeout)
 
@@ -329,6 +325,40 @@ def look_ahead_of(twin: Twin) -> LookAhead:
     ahead = LookAhead(twin.scenario)
     twin.companions.append(ahead)
     return ahead
+
+
+def answer_later(
+    twin: Twin, topic: str, trajectory: Any, duration: float | None = None, allowed: Allowed | None = None
+) -> Generator[None, None, dict[str, Any]]:
+    """Check as `check_trajectory` does without waiting: the answer of a service that is given between advances.
+
+    Args:
+        twin: The twin, which is not changed.
+        topic: The topic of the command, or an action.
+        trajectory: The message, or its fields; of an action the goal.
+        duration: How long to look ahead (s); by default until the joints have settled after the trajectory.
+        allowed: What is not a problem.
+
+    Returns:
+        A generator that yields once a frame until there is a verdict, and returns its `Verdict.fields`. The snapshot is
+        taken when it is first continued.
+
+    Raises:
+        InputError: As `check_trajectory`, when it is continued.
+        RunError: Likewise.
+    """
+    pending = look_ahead_of(twin).check(twin.snapshot(), [(0.0, topic, trajectory)], duration, allowed)
+    return (yield from pending.later()).fields()
+
+
+def _settle(future: "Future[Any]", function: Callable[[], Any]) -> None:
+    """Give a future what a function returns, or raises."""
+    try:
+        future.set_result(function())
+    except TwinError as error:
+        future.set_exception(error)
+    except Exception as error:  # such as a process that cannot be started, or a scenario that cannot be sent
+        future.set_exception(RunError(f"nothing can be looked ahead ({described(error)})"))
 
 
 def _plain_commands(commands: Any) -> Any:

@@ -10,18 +10,20 @@ import sys
 from multiprocessing.connection import Connection
 from typing import Any
 
-from drake_twin.errors import TwinError
-from drake_twin.python_process import ignore_stops
+from drake_twin.errors import InputError, TwinError, described
+from drake_twin.python_process import die_with, ignore_stops
 
-READY, DONE, INVALID = "ready", "done", "invalid"
+READY, DONE, INVALID, FAILED = "ready", "done", "invalid", "failed"
 
 
-def main(connection: str) -> None:
+def main(connection: str, parent: str) -> None:
     """Answer checks until the connection ends.
 
     Args:
         connection: The number of the connection's file.
+        parent: The number of the process that has started this one, whose thread lives as long as it is needed.
     """
+    die_with(int(parent))
     ignore_stops()
     logging.disable(logging.CRITICAL)  # a twin's warnings are about its files, or about what is noted as a problem
     with contextlib.suppress(EOFError, OSError):
@@ -47,8 +49,9 @@ def _work(link: Any) -> None:
         snapshot, commands, duration, allowed, longest_step = link.recv()
         try:
             verdict = run_ahead(twin, snapshot, from_plain(commands), duration, allowed, longest_step)
-        except TwinError as error:
-            link.send((INVALID, str(error)))
+        except Exception as error:  # a fault of Drake's, or of this package: the next check restores another state
+            invalid = isinstance(error, InputError)
+            link.send((INVALID, str(error)) if invalid else (FAILED, " ".join(described(error).split())))
             continue
         link.send((DONE, verdict))
         if twin.clock.time_step != snapshot.time_step:  # while nobody waits: the next snapshot has such steps, too

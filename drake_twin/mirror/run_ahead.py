@@ -39,7 +39,7 @@ def run_ahead(
         snapshot: Where to begin. Its scenario's own commands are published, too.
         commands: When (s from there) what is published on which topic, or sent as a goal to which action.
         duration: How long to simulate (s); by default to the end of the last trajectory and as long after it as joints
-            may take to settle; if there is none, `AFTER_COMMANDS` after the last command.
+            may take to settle, and to `AFTER_COMMANDS` after the last command that has no end.
         allowed: What is not a problem.
         longest_step: The physics steps are at most so long (s): the longest multiple of the twin's at whose multiples
             all controllers are updated. Zero for the twin's own, which does what the twin would do to the last bit.
@@ -184,7 +184,7 @@ class _Run:
 
 
 def _longer_step(twin: Twin, longest: float) -> float:
-    """Return the longest step (s) with which a twin's controllers are updated as before; its own if there is none."""
+    """Return the longest step (s) with which a twin's controllers are updated as before, or else its own."""
     own = twin.clock.time_step
     if twin.scenario.engine != DISCRETE:
         return own

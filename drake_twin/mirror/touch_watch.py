@@ -218,7 +218,7 @@ def _upward(info: Any) -> float:
 def _place(info: Any) -> np.ndarray:
     """Return where two shapes touch (m)."""
     if hasattr(info, "nhat_BA_W"):
-        return (np.array(info.p_WCa) + np.array(info.p_WCb)) / 2
+        return np.array((info.p_WCa + info.p_WCb) / 2)
     return np.array(info.centroid())
 
 

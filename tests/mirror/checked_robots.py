@@ -1,5 +1,6 @@
 """Robots for tests of looking ahead, and what happens to them when a plain twin does the same."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -36,12 +37,14 @@ def arm(folder, *, self_collision: bool | None = True) -> Scenario:
     """An arm with a post and a low shelf beside it, which it reaches with some of its motions."""
     post, shelf = box("post", (0.1, 0.42, 0.3), (0.06, 0.06, 0.6)), box("shelf", (0.3, -0.35, 0.1), (0.3, 0.2, 0.02))
     builder = TwinBuilder(world=world(folder, post, shelf))
-    return builder.robot("arm", ARM, controllers=[_CONTROLLERS], self_collision=self_collision).scenario()
+    builder.robot("arm", ARM, controllers=[_CONTROLLERS], self_collision=self_collision)
+    return replace(builder.scenario(), islands=0)  # in another process, too, when the tests here ask for islands
 
 
 def rover(folder, *models: str, xyz=(0.0, 0.0, 0.13)) -> Scenario:
     """A rover that faces x."""
-    return TwinBuilder(world=world(folder, *models)).robot("rover", ROVER, xyz=xyz).scenario()
+    builder = TwinBuilder(world=world(folder, *models)).robot("rover", ROVER, xyz=xyz)
+    return replace(builder.scenario(), islands=0)
 
 
 def trajectory(*points, joints=JOINTS) -> dict:
@@ -100,7 +103,7 @@ def first_touch(twin: Twin, snapshot: Snapshot, topic: str, message, duration: f
 
 
 def _touching(twin: Twin) -> set[frozenset[str]]:
-    results = twin.plant.get_contact_results_output_port().Eval(twin.plant.GetMyContextFromRoot(twin.context))
+    results = twin.graph.evaluate(twin.built.ports.contact_results())
     inspector = twin.built.scene_graph.model_inspector()
     points = [results.point_pair_contact_info(index) for index in range(results.num_point_pair_contacts())]
     pairs = [(info.point_pair().id_A, info.point_pair().id_B) for info in points]

@@ -1,6 +1,7 @@
 """Looking ahead says what a plain twin then really does, leaves the twin alone, and survives its process."""
 
 import gc
+import json
 import os
 import signal
 import threading
@@ -23,7 +24,7 @@ from checked_robots import (
 )
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.mirror.look_ahead import MOST_WAITING, LookAhead, check_trajectory, look_ahead_of
+from drake_twin.mirror.look_ahead import MOST_WAITING, LookAhead, answer_later, check_trajectory, look_ahead_of
 from drake_twin.mirror.run_ahead import run_ahead
 from drake_twin.mirror.trajectory_verdict import (
     COLLISION,
@@ -94,37 +95,40 @@ def bodies(problem):
 
 
 def compare_random_trajectories(ahead, twin, moment, seed, wanted):
-    """Compare so many colliding and so many free ones, and return how many of each kind were judged otherwise."""
+    """Compare so many colliding and so many free ones at least.
+
+    Returns:
+        Whether one collides → how many there were; the same → how many of them were judged otherwise; and how much the
+        times of the first touches differ at most (s).
+    """
     generator, seen, wrong, late = np.random.default_rng(seed), {True: 0, False: 0}, {True: 0, False: 0}, 0.0
     while min(seen.values()) < wanted:
         message = random_trajectory(generator)
         pending = ahead.check(moment, now(TRAJECTORY, message))
         touch = first_touch(twin, moment, TRAJECTORY, message, length(message) + Allowed().settling)
         verdict, collides = pending.result(LONGEST_WAIT), touch is not None
-        if seen[collides] == wanted:
-            continue
         seen[collides] += 1
         wrong[collides] += verdict.is_safe == collides
         if collides and (collisions := verdict.of_kind(COLLISION)):
             late = max(late, abs(collisions[0].time - touch.time))
             assert touch.bodies in {bodies(problem) for problem in collisions}
     twin.restore(moment)
-    return wrong, late
+    return seen, wrong, late
 
 
 def test_random_trajectories_are_judged_as_a_twin_then_executes_them(ahead, arm_twin, moment):
-    wrong, late = compare_random_trajectories(ahead, arm_twin, moment, seed=1, wanted=5)
+    _, wrong, late = compare_random_trajectories(ahead, arm_twin, moment, seed=1, wanted=8)
     assert wrong == {True: 0, False: 0}
     assert late <= CLOSE
 
 
 @pytest.mark.slow
-def test_of_200_colliding_trajectories_none_is_accepted_and_of_200_free_ones_at_most_4_are_refused(
+def test_of_200_colliding_trajectories_none_is_accepted_and_of_free_ones_at_most_2_percent_are_refused(
     ahead, arm_twin, moment
 ):
-    wrong, late = compare_random_trajectories(ahead, arm_twin, moment, seed=2026, wanted=200)
+    seen, wrong, late = compare_random_trajectories(ahead, arm_twin, moment, seed=2026, wanted=200)
     assert wrong[True] == 0
-    assert wrong[False] <= 4
+    assert wrong[False] <= 0.02 * seen[False]
     assert late <= CLOSE
 
 
@@ -464,11 +468,15 @@ def test_a_python_user_checks_a_trajectory_in_one_call(arm_scenario):
         os.kill(number, 0)
 
 
-def test_an_answer_of_a_service_is_continued_until_there_is_a_verdict(ahead, moment):
-    def answer():
-        verdict = yield from ahead.check(moment, now(TRAJECTORY, FREE)).later()
-        verdicts.append(verdict)
+def test_an_answer_of_a_service_is_continued_until_there_is_a_verdict(arm_scenario):
+    with Twin(arm_scenario) as twin:
 
-    verdicts = []
-    assert set(answer()) == {None}
-    assert verdicts[0].is_safe
+        def service():
+            answers.append((yield from answer_later(twin, TRAJECTORY, INTO_THE_POST)))
+
+        answers = []
+        assert set(service()) == {None}
+    (answer,) = answers
+    assert answer["is_safe"] is False
+    assert answer["problems"][0]["parts"][1] == "post"
+    json.dumps(answer)
