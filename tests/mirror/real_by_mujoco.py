@@ -66,7 +66,9 @@ def arm_model(scenario: Scenario) -> mujoco.MjModel:
     follows = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, name1="joint_5", name2="joint_4")
     follows.objtype = mujoco.mjtObj.mjOBJ_JOINT
     follows.data[:2] = 0.0, -1.0
-    return spec.compile()
+    model = spec.compile()
+    model.dof_solimp[:, :2], model.dof_solref[:] = 0.995, (0.01, 1.0)  # else the friction of light fingers is viscous
+    return model
 
 
 class MujocoArm:
