@@ -76,16 +76,17 @@ class JointWatch:
         actuators = [
             plant.get_joint_actuator(JointActuatorIndex(i)) for i in plant.GetJointActuatorIndices(parts.instance)
         ]
+        self._inputs = [actuator.input_start() for actuator in actuators]
         self._strongest = _AT_LIMIT * np.array([actuator.effort_limit() for actuator in actuators])
         self._body = plant.GetBodyByName(self._root, parts.instance)
         if self._up is None:
             self._up = self._rotation()[2]
 
-    def look(self) -> None:
+    def look(self, efforts: np.ndarray) -> None:
         """Note what is beyond its limits now.
 
-        Raises:
-            RunError: If Drake cannot solve the next step.
+        Args:
+            efforts: Those of all actuators of the plant (N·m or N).
         """
         state = self._twin.plant.GetPositionsAndVelocities(self._context, self._instance)
         q, speed = state[self._positions], np.abs(state[self._velocities])
@@ -95,7 +96,7 @@ class JointWatch:
             self._too_fast(self._names[index], "reaches", speed[index])
         if self._driven:
             self._look_at_commands()
-            self._look_at_efforts()
+            self._look_at_efforts(efforts[self._inputs])
         if not self._is_fixed and self._tilt() > self._allowed.tilt:
             text = f"{self.robot} tilts by more than {degrees(self._allowed.tilt):.3g}°"
             self._found.add(TIPPING, self.robot, (self._root,), text)
@@ -166,8 +167,7 @@ class JointWatch:
                 if speed > _speed(self._joints[name]) * (1.0 + self._allowed.velocity):
                     self._too_fast(name, "is commanded to move at", speed)
 
-    def _look_at_efforts(self) -> None:
-        efforts = self._twin.graph.evaluate(self._twin.built.ports.net_actuation(self._instance))
+    def _look_at_efforts(self, efforts: np.ndarray) -> None:
         now = self._found.time
         for index in [index for index in self._since if abs(efforts[index]) < self._strongest[index]]:
             del self._since[index]

@@ -20,7 +20,7 @@ Commands = Sequence[tuple[float, str, Any]]  # s from the fork, topic or action,
 TRAJECTORY, FOLLOW = "trajectory_msgs/msg/JointTrajectory", "control_msgs/action/FollowJointTrajectory"
 LONGEST_STEP = 0.005  # s; an arm's tip at 2 m/s moves by 1 cm, which is less than it and an obstacle are thick
 AFTER_COMMANDS = 5.0  # s that are simulated after commands whose end is not known
-_LOOK = 0.01  # s between two looks at joints and at links of one robot; other touches are looked for at each step
+_LOOK = 0.01  # s between two looks at joints; touches are looked for at each step
 _INSTANT = 1e-9
 
 
@@ -122,10 +122,10 @@ class _Run:
     def _look(self, *, is_last: bool) -> None:
         self._touches.look()
         if self.found.time >= self._looked + _LOOK - _INSTANT or is_last:
-            self._touches.look_at_own_links()
             self._looked = self.found.time
+            efforts = self._twin.graph.evaluate(self._twin.built.ports.net_actuation())
             for watch in self._joints.values():
-                watch.look()
+                watch.look(efforts)
             for goal, robot in [*self._goals]:
                 if goal.is_done:
                     self._goals.remove((goal, robot))

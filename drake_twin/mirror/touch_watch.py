@@ -6,12 +6,15 @@ import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, Role
 from pydrake.multibody.tree import JointIndex, ModelInstanceIndex, RigidBody
 
+from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.mirror.trajectory_verdict import COLLISION, Allowed, Found
 from drake_twin.sensors.collision_names import static_shape_name
 from drake_twin.twin.twin import Twin
 
 _UPWARD = 0.64  # the least vertical part of the direction in which what a robot stands on pushes it: slopes to 50°
+_GRAZING = 0.001  # s between two looks at shapes
+_FURTHER = 0.5  # of a longer step: with shorter ones joints may get so much further before they turn round
 _MOST_FACES = 12  # of a contact's surface that are looked at for that direction
 
 Pair = tuple[str, str]  # of what touches, in alphabetical order
@@ -20,8 +23,11 @@ Pair = tuple[str, str]  # of what touches, in alphabetical order
 class TouchWatch:
     """Looks for collisions after each step.
 
-    A robot stands on links that touch something below them at the start, and on wheels (links on continuous joints):
-    these may touch what pushes them upward, or is below them.
+    A robot that can move about stands on links that touch something below them at the start, and on wheels (links at
+    the ends of continuous joints): these may touch what pushes them upward, or is below them.
+
+    Links that only graze something do so for a millisecond or two. So between two steps that are longer, shapes are
+    looked at as well, at joint positions between those of the steps, and a little further.
 
     Args:
         allowed: What is not a problem.
@@ -32,7 +38,7 @@ class TouchWatch:
         self._allowed, self._found = allowed, found
         self._known: set[Pair] = set()  # touches that are not reported (again)
         self._standing: set[str] = set()  # links
-        self._has_started = False
+        self._looked: float | None = None  # s
 
     def use(self, twin: Twin) -> None:
         """Look at this twin, or at its newly built diagram; the first one is at the start.
@@ -57,14 +63,18 @@ class TouchWatch:
                 shape = static_shape_name(inspector, geometry)
                 self._names[geometry] = shape.partition("/")[0] or str(inspector.GetName(geometry))
                 continue
-            self._names[geometry] = name = f"{owner}::{body.name()}"
+            self._names[geometry] = name = f"{owner}::{urdf_link_name(body.name())}"
             if body.model_instance() in robots:
                 self._robots[name], self._bodies[name] = owner, body
         self._ignored: set[tuple[GeometryId, GeometryId]] = set()
-        self._own = None if self._allowed.self_collisions else _OwnLinks(twin, self._names)
-        if not self._has_started:
-            self._has_started = True
-            self._start()
+        if self._looked is None:
+            self._look_at_start()
+        links = {name for name in self._robots if name not in self._standing}
+        self._shapes = _Shapes(twin, self._names, links, with_own=not self._allowed.self_collisions)
+        if self._looked is None:
+            self._looked = self._found.time
+            self._known |= self._shapes.touching(self._shapes.positions())
+        self._before = self._shapes.positions()
 
     def look(self) -> None:
         """Note the collisions of the present moment.
@@ -82,23 +92,33 @@ class TouchWatch:
             elif not self._is_stood_upon(one, other, info):
                 self._report(pair)
 
-    def look_at_own_links(self) -> None:
-        """Note the links of one robot that are in each other at the present moment."""
-        if self._own is not None:
-            for pair in self._own.touching():
-                if pair not in self._known and self._concerns(*pair):
-                    self._report(pair)
+        self._look_between()
 
-    def _start(self) -> None:
+    def _look_between(self) -> None:
+        assert self._looked is not None
+        passed, now = self._found.time - self._looked, self._shapes.positions()
+        count = max(1, round(passed / _GRAZING))
+        parts = [number / count for number in range(1, count + 1)]
+        if count > 1:
+            parts.append(1.0 + _FURTHER)
+        for part in parts:
+            for pair in self._shapes.touching((1.0 - part) * self._before + part * now):
+                if pair not in self._known and self._concerns(*pair):
+                    self._report(pair, self._looked + part * passed)
+        self._looked, self._before = self._found.time, now
+
+    def _look_at_start(self) -> None:
+        movable = {plan.name for plan in self._twin.built.plans if not plan.model.is_fixed}
         for first, second, info in self._contacts():
             one, other = self._names.get(first, ""), self._names.get(second, "")
             self._known.add(_pair(one, other))
             up = _upward(info)
             self._standing |= {name for name, part in ((one, up), (other, -up)) if part > _UPWARD}
-        if self._own is not None:
-            self._known |= self._own.touching()
+        self._standing = {link for link in self._standing if self._robots.get(link) in movable}
         for plan in self._twin.built.plans:
-            wheels = (joint.child for joint in plan.description.joints if joint.type == "continuous")
+            joints = plan.description.joints if plan.name in movable else ()
+            parents = {joint.parent for joint in joints}
+            wheels = (joint.child for joint in joints if joint.type == "continuous" and joint.child not in parents)
             self._standing |= {f"{plan.name}::{link}" for link in wheels}
 
     def _contacts(self) -> "list[tuple[GeometryId, GeometryId, Any]]":
@@ -137,20 +157,26 @@ class TouchWatch:
         length = float(np.linalg.norm(way))
         return float(way[2]) / length if length > 0.0 else 0.0
 
-    def _report(self, pair: Pair) -> None:
+    def _report(self, pair: Pair, time: float | None = None) -> None:
         self._known.add(pair)
         first, second = pair if pair[0] in self._robots else pair[::-1]
-        self._found.add(COLLISION, self._robots[first], (first, second), f"{first} touches {second}")
+        self._found.add(COLLISION, self._robots[first], (first, second), f"{first} touches {second}", time)
 
 
-class _OwnLinks:
-    """The links of each robot that come into each other, whether or not they may pass in the twin.
+class _Shapes:
+    """The shapes of robots' links in a context of their own, in which only some pairs of them are looked at.
 
-    It has a context of its own, in which only these pairs of shapes are looked at. Links that a joint holds together
-    are left out.
+    These are links and what does not belong to their robot, and links of one robot that no joint holds together,
+    whether or not they may pass in the twin.
+
+    Args:
+        twin: The twin.
+        names: What each shape belongs to.
+        links: The links that are looked at beside what does not belong to their robot.
+        with_own: Whether to look at links of one robot.
     """
 
-    def __init__(self, twin: Twin, names: dict[GeometryId, str]):
+    def __init__(self, twin: Twin, names: dict[GeometryId, str], links: set[str], *, with_own: bool):
         self._plant, self._names = twin.plant, names
         self._context = twin.plant.GetMyContextFromRoot(twin.context)
         root = twin.diagram.CreateDefaultContext()
@@ -161,17 +187,21 @@ class _OwnLinks:
         manager = scene_graph.collision_filter_manager(self._scene_context)
         every = GeometrySet([*scene_graph.model_inspector().GetAllGeometryIds(Role.kProximity)])
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(every))
-        self._has_pairs = False
-        for parts in twin.built.robots.values():
-            for one, other in _apart(self._plant, parts.instance, names):
-                self._has_pairs = True
-                manager.Apply(CollisionFilterDeclaration().AllowBetween(GeometrySet(one), GeometrySet(other)))
+        for robot, parts in twin.built.robots.items():
+            own = [each for each in names if names[each] in links and names[each].partition("::")[0] == robot]
+            others = [each for each in names if names[each].partition("::")[0] != robot]
+            pairs = [(own, others), *(_apart(self._plant, parts.instance, names) if with_own else ())]
+            for one, other in pairs:
+                if one and other:
+                    manager.Apply(CollisionFilterDeclaration().AllowBetween(GeometrySet(one), GeometrySet(other)))
 
-    def touching(self) -> set[Pair]:
-        """Return the links that are in each other now."""
-        if not self._has_pairs:
-            return set()
-        self._plant.SetPositions(self._own_context, self._plant.GetPositions(self._context))
+    def positions(self) -> np.ndarray:
+        """Return the positions of the twin's plant."""
+        return np.array(self._plant.GetPositions(self._context))
+
+    def touching(self, positions: np.ndarray) -> set[Pair]:
+        """Return what is in each other at some positions of the plant."""
+        self._plant.SetPositions(self._own_context, positions)
         query = self._query.Eval(self._scene_context)
         if not query.HasCollisions():
             return set()
