@@ -1,5 +1,6 @@
 """Which contacts of a simulated twin are collisions: what touches, and did not at the start, and is not stood upon."""
 
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from drake_twin.sensors.collision_names import static_shape_name
 from drake_twin.twin.twin import Twin
 
 _UPWARD = 0.64  # the least vertical part of the direction in which what a robot stands on pushes it: slopes to 50°
-_GRAZING = 0.001  # s between two looks at shapes
+_GRAZING, _NEAR = 0.001, 0.002  # s, and rad or m that joints move, between two looks at shapes: whichever is longer
 _FURTHER = 0.5  # of a longer step: with shorter ones joints may get so much further before they turn round
 _MOST_FACES = 12  # of a contact's surface that are looked at for that direction
 
@@ -48,7 +49,7 @@ class TouchWatch:
         """
         self._twin, built, plant = twin, twin.built, twin.plant
         self._port = built.ports.contact_results()
-        self._inspector = inspector = built.scene_graph.model_inspector()
+        inspector = built.scene_graph.model_inspector()
         owners, robots = built.owners(), {parts.instance: name for name, parts in built.robots.items()}
         self._names: dict[GeometryId, str] = {}
         self._robots: dict[str, str] = {}  # link → robot
@@ -77,11 +78,12 @@ class TouchWatch:
         self._before = self._shapes.positions()
 
     def look(self) -> None:
-        """Note the collisions of the present moment.
+        """Note the collisions since the last look.
 
         Raises:
             RunError: If Drake cannot solve the next step.
         """
+        self._look_between()
         for first, second, info in self._contacts():
             if (first, second) in self._ignored:
                 continue
@@ -92,14 +94,13 @@ class TouchWatch:
             elif not self._is_stood_upon(one, other, info):
                 self._report(pair)
 
-        self._look_between()
-
     def _look_between(self) -> None:
         assert self._looked is not None
         passed, now = self._found.time - self._looked, self._shapes.positions()
-        count = max(1, round(passed / _GRAZING))
+        most = max(1, round(passed / _GRAZING))
+        count = min(ceil(float(np.max(np.abs(now - self._before), initial=0.0)) / _NEAR) or 1, most)
         parts = [number / count for number in range(1, count + 1)]
-        if count > 1:
+        if most > 1:
             parts.append(1.0 + _FURTHER)
         for part in parts:
             for pair in self._shapes.touching((1.0 - part) * self._before + part * now):
