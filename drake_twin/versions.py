@@ -90,7 +90,18 @@ EXPANSIONS = FileKind(
     "in the digest that is the file's name",
     "this version only: others expand again",
 )
-FILE_KINDS = (SCENARIO, CALIBRATED, SAVED_STATE, RECORDING, SUMMARY, SWEEP, BAG, HTML, MESHES, EXPANSIONS)
+PROFILE = FileKind("mirror's profile", "`mirror --learn`", 1, _JSON, "`mirror --profile`, `Profile.read`: 1")
+MIRRORED = FileKind(
+    "mirror's report",
+    "`mirror --report`",
+    None,
+    '`<meta name="generator">`',
+    "a browser: it has all that it needs in it",
+)
+FILE_KINDS = (
+    *(SCENARIO, CALIBRATED, SAVED_STATE, RECORDING, SUMMARY, SWEEP, BAG, HTML, PROFILE, MIRRORED),
+    *(MESHES, EXPANSIONS),
+)
 
 
 def written_by() -> dict[str, str]:

@@ -158,7 +158,7 @@ class JointServo(WitnesslessSystem):
         context.SetAbstractState(int(self._assignment), assignment)
 
     def shift(self, context: Context) -> np.ndarray:
-        """Return by how much each actuator's position is drawn elsewhere than commanded (rad or m); zero at the start."""
+        """Return by how much each actuator is drawn elsewhere than commanded (rad or m); zero at the start."""
         return np.array(context.get_numeric_parameter(self._shift).value())
 
     def set_shift(self, context: Context, shift: np.ndarray) -> None:
