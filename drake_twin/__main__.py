@@ -14,6 +14,7 @@ PROGRAMS = {
     "benchmarks": "time the twin beside the bare Drake plant, DART, MuJoCo and PyBullet",
     "sweep": "run a scenario over values and seeds, and tabulate what came of it",
     "play": "show a bag of ROS 2 on the page",
+    "mirror": "follow a running robot, or a bag of it, and say what is wrong with it",
     "calibrate": "find the values with which a twin moves as logs of its robot say",
     "check": "report what a robot file contains, what is mended in it and what is ignored",
 }

@@ -5,7 +5,7 @@
 z are means over blocks, in standard deviations. k = 3/2 is the best choice against a change by three standard
 deviations: a model's own errors are of one for a while, and faults are larger. Of white noise the mean number of blocks
 to a false alarm of one sum is (exp(2 k b) − 2 k b − 1) / (2 k²) with b = h + 1.166 (Siegmund: Sequential Analysis,
-1985). A single block counts as six standard deviations at most, so that no outlier is an alarm of its own.
+1985). A single block counts as five standard deviations at most, which is below every threshold.
 """
 
 from collections.abc import Iterable, Iterator
@@ -13,7 +13,7 @@ from math import exp, log
 
 BLOCK = 0.1  # s
 REFERENCE = 1.5  # k
-MOST = 6.0  # standard deviations that a block counts
+MOST = 5.0  # standard deviations that a block counts
 
 
 def false_alarm_blocks(threshold: float) -> float:
@@ -23,7 +23,7 @@ def false_alarm_blocks(threshold: float) -> float:
 
 
 def threshold(sums: int, time: float) -> float:
-    """Return the threshold at which so many sums together raise one false alarm in a time (s).
+    """Return the threshold at which so many sums together raise one false alarm in a time (s); two blocks at least.
 
     Args:
         sums: How many sums are watched, of either sign.
@@ -34,7 +34,7 @@ def threshold(sums: int, time: float) -> float:
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if false_alarm_blocks(middle) < blocks else (low, middle)
-    return high
+    return max(high, 1.01 * (MOST - REFERENCE))
 
 
 def cumulative_sums(values: Iterable[float]) -> Iterator[tuple[float, float]]:

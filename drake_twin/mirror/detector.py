@@ -12,6 +12,7 @@ from drake_twin.mirror.profile import MOST_DEVIATIONS, Learned, Profile, Unstead
 
 _ABOVE_HEALTHY = 3.0  # times the highest sum of the healthy run
 _UNSTEADY = 0.35  # of the last measurements whose noise is large that are a change
+_MORE_UNSTEADY = 1.4  # times that of the healthy run
 _JUMP = 20.0  # standard deviations of one measurement of a position that are a jump
 _REPEATS = 8  # equal values, one after the other, of a number that changes else
 
@@ -57,7 +58,7 @@ class _Number:
         self._block, self._sum, self._count, self._moving = -1, 0.0, 0, False
         self._last = float("nan")
         self._unsteady = Unsteadiness(learned.jitter)
-        self._most_unsteady = min(max(_UNSTEADY, 1.25 * learned.unsteady), 0.5) if is_steady else float("inf")
+        self._most_unsteady = max(_UNSTEADY, _MORE_UNSTEADY * learned.unsteady) if is_steady else float("inf")
         self._most_jump = max(_JUMP, 2 * learned.largest) if is_position else float("inf")
         self._jumped = 0.0
         self.repeats = 0

@@ -12,6 +12,8 @@ from drake_twin.twin.twin import Twin
 _MOST = 10.0  # standard deviations that a measurement counts
 _BEFORE = 0.15  # s before a change seems to have begun
 MOVES = 0.05  # rad/s or m/s from which on a joint moves
+_OFF = 0.05  # of the twin's velocity by which a joint's is another
+_ALONE = 0.55  # of all joints' energy that is one joint's, from which on it is about this joint
 _FAR = 4.0  # standard deviations
 _SEEN = 4.0  # mean square of deviations from which on a delay is looked for
 
@@ -102,16 +104,13 @@ class Evidence:
         """The sum of `energy` of each joint, shape (J,)."""
         return np.asarray(sum(self.energy.values()))
 
-    @cached_property
-    def worst(self) -> int:
-        """The joint with the largest energy."""
-        return int(np.argmax(self.energies)) if len(self.energies) else 0
-
-    @property
-    def share(self) -> float:
-        """The worst joint's share of all joints' energy."""
-        total = float(np.sum(self.energies))
-        return float(self.energies[self.worst]) / total if total > 0 else 0.0
+    def alone(self, *kinds: str) -> int | None:
+        """Return the joint that has most of the energy of some kinds, for then it is about this joint; None without."""
+        energies = np.asarray(sum(self.energy[kind] for kind in kinds))
+        total = float(np.sum(energies)) if energies.size else 0.0
+        if not total > 0 or float(np.max(energies)) < max(_ALONE * total, 1.0):
+            return None
+        return int(np.argmax(energies))
 
     def base(self, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return a number of the base: times, what is left of its differences, deviations (ten at most)."""
@@ -175,6 +174,15 @@ class Evidence:
         if np.count_nonzero(counts) < 4:
             return float("nan")
         return float(np.dot(expected[counts], found[counts]) / np.dot(expected[counts], expected[counts]))
+
+    @property
+    def slow(self) -> int | None:
+        """The only joint that does not have the twin's velocity, while its change is seen; None without one."""
+        gains = [self.gain(joint) for joint in range(len(self.joints.names))]
+        off = [
+            joint for joint, gain in enumerate(gains) if abs(gain - 1.0) > _OFF and self.energy["velocity"][joint] > 1.0
+        ]
+        return off[0] if len(off) == 1 else None
 
     def effort_pattern(self, joint: int) -> tuple[float, float]:
         """Return how much of a joint's effort that is left follows its direction, and how much is constant (0 to 1)."""

@@ -10,7 +10,6 @@ the same difference, more slowly. What is not measured, such as other joints or 
 model.
 """
 
-from collections import deque
 from collections.abc import Mapping
 from math import atan2, copysign, cos, exp, isfinite, pi, sin, tau
 
@@ -19,18 +18,14 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.calibration.measured import NUMBERS
 from drake_twin.dataclass import dataclass
-from drake_twin.diagram.servo_gains import EFFORT, FREE, VELOCITY
+from drake_twin.mirror.joint_observer import JointObserver
 from drake_twin.mirror.watched import INERTIAL, JOINTS, POSE, Watched
 from drake_twin.twin.twin import Twin
 
-_MEAN_OF_NORMAL = 0.7979  # of the absolute value of a standard normal number
-_RUNNING = 0.02  # part of each measurement in a running mean
 _FAR = {"rad": 0.5, "m": 0.25, "place": 0.5, "angle": 0.7}  # further off than that, it is set where it was measured
 _MANY = 3  # times one after the other that it has to be
 _GAP = 0.5  # s without a measurement, after which the next one counts whole
-_WITHIN = 3.0  # standard deviations of a measurement's noise in which a joint that a servo holds may be
 _LEVEL = 5.0  # s in which the height of a frame is found
-_MOST_SHIFT = 0.1  # rad or m of a servo's set-point
 
 
 @dataclass(frozen=True)
@@ -80,28 +75,6 @@ class Measured:
     place: tuple[float, float, float] | None = None
 
 
-class RunningNoise:
-    """The standard deviation of a number's own noise, from third differences of its last measurements.
-
-    Attributes:
-        value: The standard deviation.
-    """
-
-    def __init__(self) -> None:
-        self._last: deque[float] = deque(maxlen=4)
-        self.value = 0.0
-
-    def add(self, measured: float) -> float:
-        """Add a measurement, and return the standard deviation."""
-        self._last.append(measured)
-        if len(self._last) == 4:
-            a, b, c, d = self._last
-            now = abs(d - 3 * c + 3 * b - a) / 20**0.5 / _MEAN_OF_NORMAL
-            most = 3 * self.value if self.value else now
-            self.value += _RUNNING * (min(now, most) - self.value) if self.value else now
-        return self.value
-
-
 class Follower:
     """Lets a twin follow a robot.
 
@@ -127,7 +100,7 @@ class Follower:
         self._levels: dict[str, int] = {}
         self.catches = 0
         self.measured: dict[str, Measured] = {}
-        self._noise: dict[tuple[str, str], RunningNoise] = {}
+        self._observers: dict[str, JointObserver] = {}
 
     def advance_to(self, time: float) -> None:
         """Let the twin's time pass; times that have passed are now."""
@@ -181,79 +154,11 @@ class Follower:
         at = {name.removesuffix(".position"): value for name, value in measured.items() if name.endswith(".position")}
         self.measured[watched.robot] = Measured({**before.positions, **at}, before.place)
         caught = self._is_caught(watched.topic, far, since)
-        self._correct(watched.robot, measured, predicted, since, whole=caught)
+        if watched.robot not in self._observers:
+            gains = self._gains
+            self._observers[watched.robot] = JointObserver(self.twin, watched.robot, gains.joints, gains.servos)
+        self._observers[watched.robot].correct(measured, predicted, since, whole=caught)
         return Innovation(time, watched, measured, predicted, caught)
-
-    def _correct(
-        self,
-        robot: str,
-        measured: Mapping[str, float],
-        predicted: Mapping[str, float],
-        since: float,
-        *,
-        whole: bool,
-    ) -> None:
-        twin = self.twin
-        part = 1.0 if whole else 1.0 - exp(-since / self._gains.joints)
-        parts = twin.built.robots[robot]
-        context = twin.plant.GetMyMutableContextFromRoot(twin.context)
-        state = twin.plant.GetPositionsAndVelocities(context, parts.instance)
-        mimics = {name for name, joint in self._joints[robot].items() if joint.mimic is not None}
-        held, standing = self._held(robot) if not whole else (set(), set())
-        for name, value in measured.items():
-            joint, _, kind = name.rpartition(".")
-            if kind == "effort" or joint in mimics:
-                continue
-            difference = value - predicted[name]
-            noise = self._noise.setdefault((robot, name), RunningNoise()).add(value) if kind == "position" else 0.0
-            if joint in standing:
-                difference -= min(max(difference, -_WITHIN * noise), _WITHIN * noise)
-            if kind == "position":
-                state[parts.layout.positions[joint]] += part * difference
-            elif joint not in held:
-                state[parts.layout.velocities[joint]] += part * difference
-            if kind == "position" and f"{joint}.velocity" not in measured and joint not in held and not whole:
-                # Critically damped, as an α-β filter: of positions alone velocities follow, too.
-                state[parts.layout.velocities[joint]] += (1.0 - (1.0 - part) ** 0.5) ** 2 / since * difference
-        twin.plant.SetPositionsAndVelocities(context, parts.instance, state)
-        self._shift_servos(robot, measured, predicted, since, whole=whole)
-
-    def _held(self, robot: str) -> tuple[set[str], set[str]]:
-        """Return the joints whose velocity a servo holds, and those whose position it holds: noise would fight it."""
-        servo = self.twin.built.parts[robot].servo
-        if servo is None:
-            return set(), set()
-        modes = servo.assignment(servo.GetMyContextFromRoot(self.twin.context)).modes
-        efforts = self.twin.built.robots[robot].layout.efforts
-        held = {joint for joint, index in efforts.items() if modes[index] not in (EFFORT, FREE)}
-        return held, {joint for joint in held if modes[efforts[joint]] != VELOCITY}
-
-    def _shift_servos(
-        self,
-        robot: str,
-        measured: Mapping[str, float],
-        predicted: Mapping[str, float],
-        since: float,
-        *,
-        whole: bool,
-    ) -> None:
-        twin = self.twin
-        servo = twin.built.parts[robot].servo
-        if servo is None:
-            return
-        context = servo.GetMyMutableContextFromRoot(twin.context)
-        shift = servo.shift(context)
-        part = 0.0 if whole else 1.0 - exp(-since / self._gains.servos)
-        efforts = twin.built.robots[robot].layout.efforts
-        for name, value in measured.items():
-            joint, _, kind = name.rpartition(".")
-            if kind == "position" and joint in efforts:
-                difference, noise = value - predicted[name], self._noise[robot, name].value
-                difference -= min(max(difference, -_WITHIN * noise), _WITHIN * noise)
-                wanted = shift[efforts[joint]] + part * difference
-                shift[efforts[joint]] = min(max(wanted, -_MOST_SHIFT), _MOST_SHIFT)
-        if np.any(shift) or whole:
-            servo.set_shift(context, np.zeros_like(shift) if whole else shift)
 
     # The base --------------------------------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 """A mirror on the ROS 2 graph: it hears the robot's topics, and tells what it finds; it publishes nothing else.
 
-What it publishes are ``/diagnostics`` and ``/twin/residuals``. A topic that a robot listens to is never offered: the
-wire is not even asked for one.
+What it publishes are ``/diagnostics`` and ``/twin/residuals``, and it offers ``/twin/check_trajectory``. A topic that a
+robot listens to is never offered: the wire is not even asked for one.
 """
 
 import queue
@@ -12,6 +12,7 @@ from typing import Any
 
 from drake_twin.errors import RunError
 from drake_twin.messages.interface_types import definition, deserialize, make, serialize, type_hash
+from drake_twin.mirror.check_service import CheckService
 from drake_twin.mirror.heard import Heard
 from drake_twin.mirror.mirror import Mirror
 from drake_twin.wires.wire import LARGEST_OF_NODES, Sender, Wire, WireEndpoint, close_all
@@ -41,6 +42,7 @@ class Live:
             name: [wire.advertise(_endpoint(name, kind), lambda _: None) for wire in wires]
             for name, kind in _TYPES.items()
         }
+        self._checks = CheckService(mirror.twin, wires, NODE)
         self._due = dict.fromkeys(_TYPES, 0.0)
         commands = {topic: self._type_of(ours) for topic, ours in mirror.topics.commands.items()}
         for name, kind in (commands | {name: item.type for name, item in mirror.topics.measured.items()}).items():
@@ -67,6 +69,7 @@ class Live:
                 self._hear(received, topic, kind, data)
             now = time.monotonic()
             self.tell(now)
+            self._checks.proceed()
             if now >= next_frame:
                 next_frame = now + _FRAME
                 each_frame()
@@ -85,7 +88,12 @@ class Live:
                     sender.send(data, time.time_ns())
 
     def close(self) -> None:
-        """End the wires."""
+        """End the wires.
+
+        Raises:
+            RunError: If messages were lost.
+        """
+        self._checks.close()
         close_all(self._wires)
         if self._lost:
             raise RunError(f"{self._lost} messages were lost: they come faster than they are followed")

@@ -12,7 +12,6 @@ from drake_twin.mirror.evidence import Evidence
 Fit = tuple[float, tuple[str, ...], str]
 _NONE: Fit = (0.0, (), "")
 _LEAST = 0.3  # what fits worse is not said
-_ALONE = 0.5  # of all joints' differences that are one joint's, from which on it is about this joint
 _PLANAR = ("linear.x", "linear.y", "angular.z")
 _LOOSE = 0.65  # of the twin's efforts, below which wheels have little grip
 _EXPLAINED = 0.4  # of the efforts that a payload has to explain
@@ -40,14 +39,6 @@ def looks_like(evidence: Evidence) -> tuple[str, tuple[str, ...], str]:
     if score < _LEAST:
         return MODEL_WRONG, (), "the robot moves otherwise than its twin, as none of the known faults would have it"
     return kind, parts, text
-
-
-def _joint(evidence: Evidence) -> str:
-    return evidence.joints.names[evidence.worst]
-
-
-def _is_alone(evidence: Evidence) -> bool:
-    return bool(evidence.joints.names) and evidence.share >= _ALONE
 
 
 @fault("encoder_frozen")
@@ -91,76 +82,69 @@ def _emergency_stop(evidence: Evidence) -> Fit:
 @fault("joint_stuck")
 def _joint_stuck(evidence: Evidence) -> Fit:
     """One joint stands still while it is commanded to move."""
-    if not _is_alone(evidence):
+    j = evidence.slow
+    if j is None or not abs(gain := evidence.gain(j)) <= 0.25:
         return _NONE
-    gain = evidence.gain(evidence.worst)
-    if not np.isfinite(gain) or abs(gain) > 0.25:
-        return _NONE
-    return 0.95 - abs(gain), (_joint(evidence),), f"{_joint(evidence)} does not move, though it is commanded to"
+    name = evidence.joints.names[j]
+    return 0.95 - abs(gain), (name,), f"{name} does not move, though it is commanded to"
 
 
 @fault("motor_weak")
 def _motor_weak(evidence: Evidence) -> Fit:
     """One joint moves at a part of the velocity that it is commanded."""
-    if not _is_alone(evidence):
+    j = evidence.slow
+    if j is None or not 0.25 <= (gain := evidence.gain(j)) <= 0.95:
         return _NONE
-    j = evidence.worst
-    gain = evidence.gain(j)
-    if not np.isfinite(gain) or not 0.25 <= gain <= 0.95 or evidence.energy["velocity"][j] < 1.0:
-        return _NONE
-    return 0.9, (_joint(evidence),), f"{_joint(evidence)} reaches only {gain:.0%} of its commanded velocity"
+    name = evidence.joints.names[j]
+    return 0.9, (name,), f"{name} reaches only {gain:.0%} of its commanded velocity"
 
 
 @fault("friction_risen")
 def _friction_risen(evidence: Evidence) -> Fit:
     """One joint needs more effort, along its motion."""
-    if not _is_alone(evidence):
+    j = evidence.alone("effort")
+    if j is None or evidence.energy["effort"][j] < 0.5 * evidence.energies[j]:
         return _NONE
-    j = evidence.worst
     along, constant = evidence.effort_pattern(j)
-    if evidence.energy["effort"][j] < 0.5 * evidence.energies[j] or along < max(constant - 0.05, 0.1):
+    if along < max(constant - 0.05, 0.1):
         return _NONE
-    return (
-        0.6 + 0.3 * along,
-        (_joint(evidence),),
-        f"{_joint(evidence)} needs more effort along its motion: it runs harder",
-    )
+    name = evidence.joints.names[j]
+    return 0.6 + 0.3 * along, (name,), f"{name} needs more effort along its motion: it runs harder"
 
 
 @fault("effort_offset")
 def _effort_offset(evidence: Evidence) -> Fit:
     """The effort of one joint is off by a constant, whichever way it moves."""
-    if not _is_alone(evidence):
+    j = evidence.alone("effort")
+    if j is None or evidence.energy["effort"][j] < 0.7 * evidence.energies[j]:
         return _NONE
-    j = evidence.worst
     along, constant = evidence.effort_pattern(j)
-    if evidence.energy["effort"][j] < 0.7 * evidence.energies[j] or along > constant or constant < 0.3:
+    if along > constant or constant < 0.3:
         return _NONE
-    text = f"the effort of {_joint(evidence)} is off by a constant, whichever way it moves: its measurement has shifted"
-    return 0.6 + 0.3 * constant, (_joint(evidence),), text
+    name = evidence.joints.names[j]
+    text = f"the effort of {name} is off by a constant, whichever way it moves: its measurement has shifted"
+    return 0.6 + 0.3 * constant, (name,), text
 
 
 @fault("encoder_offset")
 def _encoder_offset(evidence: Evidence) -> Fit:
-    """A position has jumped, further than its velocity allows; the motion continues."""
-    if not _is_alone(evidence):
+    """A position has jumped, further than its velocity allows, and the motion is as before."""
+    j = evidence.alone("position")
+    if j is None or evidence.jump(j) < 8.0 or evidence.energy["position"][j] < 0.3 * evidence.energies[j]:
         return _NONE
-    j = evidence.worst
-    jump = evidence.jump(j)
-    share = evidence.energy["position"][j] / max(float(evidence.energies[j]), 1e-9)
-    if jump < 8.0 or share < 0.3:
-        return _NONE
-    text = (
-        f"the position of {_joint(evidence)} has jumped, which its velocity does not explain: its encoder has shifted"
+    name = evidence.joints.names[j]
+    return (
+        0.97,
+        (name,),
+        f"the position of {name} has jumped, which its velocity does not explain: its encoder has shifted",
     )
-    return 0.97, (_joint(evidence),), text
 
 
 @fault("delay")
 def _delay(evidence: Evidence) -> Fit:
     """All joints do what the twin's do, but later."""
     late, explained = evidence.delay()
-    if late == 0.0 or (evidence.share > 0.8 and len(evidence.joints.names) > 1):
+    if late == 0.0 or (evidence.slow is not None and len(evidence.joints.names) > 1):
         return _NONE
     return 0.95 * explained, (), f"the robot does what it is told {late:.2f} s later than before"
 

@@ -62,7 +62,7 @@ class Mirror:
     It only listens: nothing that it does reaches the robot.
 
     Args:
-        scenario: The twin; its own commands are left out.
+        scenario: The twin; its own commands are left out, unless the robot's are not heard.
         known: The robot's topics with their types; None for those that the twin has.
         renamed: Topic of the robot → topic of the twin, where they differ.
         source: Where the robot's topics come from, for errors.
@@ -103,6 +103,13 @@ class Mirror:
         except InputError:
             self.twin.close()
             raise
+        commands = "" if topics.commands else "the commands of the robot are not heard: "
+        if commands and scenario.commands:
+            self.twin.close()
+            self.twin = Twin(replace(scenario, sensor_noise=False))
+            commands += "the twin has those of its scenario, from the first message on"
+        elif commands:
+            commands += "the twin follows what is measured, and a weak motor cannot be told from a slow command"
         self._follower = Follower(self.twin, gains)
         self._time_to_false_alarm = time_to_false_alarm
         self._judged = judged
@@ -116,8 +123,9 @@ class Mirror:
         self._order = count()
         self._now = float("-inf")
         self.zero: float | None = None
-        self.notes: list[str] = list(topics.notes)
+        self.notes: list[str] = [*filter(None, [commands]), *topics.notes]
         self._noted: set[str] = set()
+        self._first: dict[tuple[str, str], str] = {}  # robot and what is measured → the topic that does so
         self._learning: list[Innovation] = []
         self._knows_delay = False
         self._learns = learns
@@ -133,6 +141,7 @@ class Mirror:
             known = {item.name: item.type for item in endpoints if item.kind in (PUBLISHED, COMMANDED)}
             own = {ours: theirs for theirs, ours in renamed.items()}
             known = {own.get(name, name): kind for name, kind in known.items()}
+            return watched_topics(known, endpoints, renamed, source, are_there=False)
         return watched_topics(known, endpoints, renamed, source)
 
     @property
@@ -165,6 +174,10 @@ class Mirror:
                     self.note(f"{topic}: the robot's clock was set at {heard.received:.3f} s")
         else:
             time += self._command_delay
+        watched = self.topics.measured.get(topic)
+        if watched is not None and (first := self._first.setdefault((watched.robot, watched.kind), topic)) != topic:
+            self.note(f"{topic} is not used: {watched.robot} has {first} for this")
+            return
         self._arrivals[topic].add(time)
         self._last_heard[topic] = max(heard.received, self._last_heard.get(topic, heard.received))
         heapq.heappush(self._waiting, (time, next(self._order), heard))
@@ -346,7 +359,7 @@ class _RobotWatch:
         assert self.detector is not None
         assert mirror.zero is not None
         above = self.detector.above()
-        began = self.detector.began(time, above - self._above)
+        began = max(self.detector.began(time, above - self._above), 0.0)
         self._alarm, self._above, self._quiet_since = len(mirror.alarms), above, None
         mirror.alarms.append(Alarm(self.robot, "", (), "", began + mirror.zero, time + mirror.zero))
         self._look(mirror, time)

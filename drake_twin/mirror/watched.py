@@ -58,7 +58,12 @@ class WatchedTopics:
 
 
 def watched_topics(
-    known: Mapping[str, str], endpoints: Sequence[Endpoint], renamed: Mapping[str, str], source: str
+    known: Mapping[str, str],
+    endpoints: Sequence[Endpoint],
+    renamed: Mapping[str, str],
+    source: str,
+    *,
+    are_there: bool = True,
 ) -> WatchedTopics:
     """Find out which topics of a robot its twin has, too.
 
@@ -70,6 +75,8 @@ def watched_topics(
         endpoints: The twin's.
         renamed: Topic of the robot → topic of the twin.
         source: Where the robot's topics come from, for errors.
+        are_there: Whether the robot has all these topics. If it may have some of them only, all are listened to, and
+            nothing is noted.
 
     Raises:
         InputError: If ``renamed`` names a topic that there is not, or nothing of what is measured belongs to the twin.
@@ -98,7 +105,7 @@ def watched_topics(
             ours = alike[0] if len({item.robot for item in alike}) == 1 else None
         if ours is None:
             notes.append(f"{topic} ({kind}) belongs to no robot of the twin (--map {topic}=TWIN_TOPIC)")
-        elif any((item.robot, item.kind) == (ours.robot, what) for item in measured.values()):
+        elif are_there and any((item.robot, item.kind) == (ours.robot, what) for item in measured.values()):
             notes.append(f"{topic} is not used: {ours.robot} has another topic for this")
         else:
             measured[topic] = Watched(topic, kind, ours.robot, what, ours.name)
@@ -107,4 +114,4 @@ def watched_topics(
         listed = ", ".join(known) or "none"
         text = f"no topic of {source} measures a robot of the twin; its topics are: {listed} (--map TOPIC=TWIN_TOPIC)"
         raise InputError(text, valid=valid)
-    return WatchedTopics(commands, measured, tuple(notes))
+    return WatchedTopics(commands, measured, tuple(notes) if are_there else ())
