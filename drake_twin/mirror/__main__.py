@@ -158,7 +158,7 @@ def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared) 
         try:
             follow(mirror, messages_of(bag, mirror.topics.topics))
         except InputError as error:
-            if mirror.zero is None:
+            if mirror.twin.time == 0:
                 mirror.close()
                 raise
             mirror.note(f"{error}: what comes before was looked at")  # the bag is damaged

@@ -11,6 +11,7 @@ from drake_twin.mirror.follower import Innovation
 from drake_twin.mirror.profile import MOST_DEVIATIONS, Learned, Profile, Unsteadiness, features, is_moving
 
 _ABOVE_HEALTHY = 3.0  # times the highest sum of the healthy run
+_SHORT = 30.0  # s of a healthy run that show half of what there is
 _UNSTEADY = 0.35  # of the last measurements whose noise is large that are a change
 _MORE_UNSTEADY = 1.4  # times that of the healthy run
 _JUMP = 20.0  # standard deviations of one measurement of a position that are a jump
@@ -51,10 +52,10 @@ class Judged:
 class _Number:
     """One number of a topic over time."""
 
-    def __init__(self, learned: Learned, limit: float, *, is_steady: bool, is_position: bool):
+    def __init__(self, learned: Learned, limit: float, careful: float, *, is_steady: bool, is_position: bool):
         self.learned = learned
         self.sums = CumulativeSums()
-        self.limit = max(limit, _ABOVE_HEALTHY * learned.highest)
+        self.limit = max(limit, careful * learned.highest)
         self._block, self._sum, self._count, self._moving = -1, 0.0, 0, False
         self._last = float("nan")
         self._unsteady = Unsteadiness(learned.jitter)
@@ -106,11 +107,12 @@ class Detector:
     def __init__(self, profile: Profile, topics: frozenset[str], time_to_false_alarm: float = 3600.0):
         own = {topic: known for topic, known in profile.topics.items() if topic in topics}
         self._differing = Differing()
+        careful = _ABOVE_HEALTHY * (1.0 + _SHORT / max(profile.duration, 1.0))
         limit = threshold(2 * sum(map(len, own.values())), time_to_false_alarm)
         self._numbers = {
             topic: {
                 name: _Number(
-                    item, limit, is_steady=not name.endswith(".effort"), is_position=name.endswith(".position")
+                    item, limit, careful, is_steady=not name.endswith(".effort"), is_position=name.endswith(".position")
                 )
                 for name, item in known.items()
             }

@@ -5,9 +5,9 @@ what the twin has then is taken note of, and a part of it is made good (a Luenbe
 
     q ← q + a (q_measured − q),  v ← v + a (v_measured − v),  a = 1 − exp(−T / time constant)
 
-with T since the last measurement. A servo that holds a position would draw its joint back: its set-point is shifted by
-the same difference, more slowly. What is not measured, such as other joints or the tilt of a base, follows from the
-model.
+with T since the last measurement; of a position at least so much that twice the measurement's noise is left. A servo
+that holds a position would draw its joint back: its set-point is shifted by the same difference, more slowly. What is
+not measured, such as other joints or the tilt of a base, follows from the model.
 """
 
 from collections.abc import Mapping
@@ -18,13 +18,15 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.calibration.measured import NUMBERS
 from drake_twin.dataclass import dataclass
-from drake_twin.mirror.joint_observer import JointObserver
+from drake_twin.errors import InputError
+from drake_twin.mirror.joint_observer import JointObserver, RunningNoise, followed
 from drake_twin.mirror.watched import INERTIAL, JOINTS, POSE, Watched
 from drake_twin.twin.twin import Twin
 
 _FAR = {"rad": 0.5, "m": 0.25, "place": 0.5, "angle": 0.7}  # further off than that, it is set where it was measured
 _MANY = 3  # times one after the other that it has to be
 _GAP = 0.5  # s without a measurement, after which the next one counts whole
+_SAME = 0.05  # m or rad
 _LEVEL = 5.0  # s in which the height of a frame is found
 
 
@@ -85,6 +87,7 @@ class Follower:
     Attributes:
         twin: The twin.
         catches: How often it was set where the robot is, since it began.
+        notes: What was noticed of the measurements.
         measured: Robot → where it was measured last.
     """
 
@@ -99,7 +102,9 @@ class Follower:
         }
         self._levels: dict[str, int] = {}
         self.catches = 0
+        self.notes: list[str] = []
         self.measured: dict[str, Measured] = {}
+        self._noise: dict[tuple[str, str], RunningNoise] = {}
         self._observers: dict[str, JointObserver] = {}
 
     def advance_to(self, time: float) -> None:
@@ -131,6 +136,8 @@ class Follower:
         self, time: float, watched: Watched, numbers: Mapping[str, float], since: float
     ) -> Innovation | None:
         joints = self._joints[watched.robot]
+        if watched.robot not in self._observers:
+            self._begin(watched, numbers)
         state = self.twin.robot_state(watched.robot)
         own = dict(zip(state.joints, zip(state.positions, state.velocities, state.efforts, strict=True), strict=True))
         predicted: dict[str, float] = {}
@@ -154,11 +161,32 @@ class Follower:
         at = {name.removesuffix(".position"): value for name, value in measured.items() if name.endswith(".position")}
         self.measured[watched.robot] = Measured({**before.positions, **at}, before.place)
         caught = self._is_caught(watched.topic, far, since)
-        if watched.robot not in self._observers:
-            gains = self._gains
-            self._observers[watched.robot] = JointObserver(self.twin, watched.robot, gains.joints, gains.servos)
         self._observers[watched.robot].correct(measured, predicted, since, whole=caught)
         return Innovation(time, watched, measured, predicted, caught)
+
+    def _begin(self, watched: Watched, numbers: Mapping[str, float]) -> None:
+        """Look at the first joint states.
+
+        Raises:
+            InputError: If they are of another robot, or in degrees.
+        """
+        joints = self._joints[watched.robot]
+        named = {name.rpartition(".")[0] for name in numbers}
+        if not named & joints.keys():
+            what = (
+                f"{watched.topic} has the joints {', '.join(sorted(named)) or 'none'}, none of them of {watched.robot}"
+            )
+            raise InputError(what, valid=joints)
+        for name in sorted(named & joints.keys()):
+            limits, at = joints[name].limits, abs(numbers.get(f"{name}.position", 0.0))
+            most = max(abs(limits.lower), abs(limits.upper))
+            if joints[name].type == "revolute" and at > max(3 * most, tau):
+                text = f"{watched.topic}: {name} is at {at:.4g} rad, and its limits are {limits.lower:g} to"
+                raise InputError(f"{text} {limits.upper:g}: are its positions in degrees? ROS has radians")
+        if missing := sorted(joints.keys() - named):
+            self.notes.append(f"{', '.join(missing)} are not measured on {watched.topic}: they follow from the model")
+        gains = self._gains
+        self._observers[watched.robot] = JointObserver(self.twin, watched.robot, gains.joints, gains.servos)
 
     # The base --------------------------------------------------------------------------------------------------------
 
@@ -176,9 +204,13 @@ class Follower:
         x, y, z = X.translation().tolist()
         yaw = atan2(R[1, 0], R[0, 0])
         frame = self._frames.get(watched.topic)
-        if frame is None:  # the frame of the topic lies where the twin stands at the start
-            turn = yaw - numbers["yaw"]
-            frame = x - _east(turn, numbers), y - _north(turn, numbers), turn, z - numbers.get("z", 0.0)
+        if frame is None:  # the topic's frame lies as the twin stands at the start
+            turn = _turned(yaw - numbers["yaw"])
+            if max(abs(x - numbers["x"]), abs(y - numbers["y"]), abs(turn)) < _SAME:
+                east = north = turn = 0.0  # it is the world, as far as its noise tells
+            else:
+                east, north = x - _east(turn, numbers), y - _north(turn, numbers)
+            frame = east, north, turn, z - numbers.get("z", 0.0)
             self._frames[watched.topic] = frame
         there = frame[0] + _east(frame[2], numbers), frame[1] + _north(frame[2], numbers), numbers["yaw"] + frame[2]
         known = self.measured.get(watched.robot, Measured({}))
@@ -201,8 +233,13 @@ class Follower:
         caught = self._is_caught(watched.topic, far, since)
         if body.is_floating_base_body():
             part = 1.0 if caught else 1.0 - exp(-since / self._gains.base)
-            about = RotationMatrix.MakeZRotation(part * turned)
-            place = X.translation() + part * np.array([dx, dy, 0.0])
+            noises = [self._noise.setdefault((watched.topic, name), RunningNoise()) for name in ("x", "y", "yaw")]
+            ways = [
+                difference if caught else followed(difference, part, noise.add(at))
+                for difference, noise, at in zip((dx, dy, turned), noises, there, strict=True)
+            ]
+            about = RotationMatrix.MakeZRotation(ways[2])
+            place = X.translation() + np.array([ways[0], ways[1], 0.0])
             speed = body.EvalSpatialVelocityInWorld(context)
             twin.plant.SetFreeBodyPose(context, body, RigidTransform(about @ X.rotation(), place))
             twin.plant.SetFreeBodySpatialVelocity(context, body, speed.Rotate(about))

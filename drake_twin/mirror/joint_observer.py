@@ -14,6 +14,7 @@ from drake_twin.twin.twin import Twin
 _MEAN_OF_NORMAL = 0.7979  # of the absolute value of a standard normal number
 _RUNNING = 0.02  # part of each measurement in a running mean
 _WITHIN = 3.0  # standard deviations of a measurement's noise in which a joint at its commanded position may be
+_REST = 2.0  # standard deviations of noise that a twin may be off once it has followed
 _MOST_SHIFT = 0.1  # rad or m of a commanded position
 
 # What a joint's servo does: nothing, it follows a velocity or brakes, it draws to a commanded position, or it holds the
@@ -41,6 +42,19 @@ class RunningNoise:
             most = 3 * self.value if self.value else now
             self.value += _RUNNING * (min(now, most) - self.value) if self.value else now
         return self.value
+
+
+def followed(difference: float, part: float, noise: float) -> float:
+    """Return how much of a difference is made good: a part, and all but twice the noise of what was measured.
+
+    Args:
+        difference: The difference.
+        part: The part.
+        noise: The standard deviation of the measurement; zero if it is not known yet.
+    """
+    rest = (1.0 - part) * difference
+    most = _REST * noise if noise > 0 else abs(rest)
+    return difference - min(max(rest, -most), most)
 
 
 class JointObserver:
@@ -99,9 +113,10 @@ class JointObserver:
                 shift[index] = np.clip(shift[index] + slow * difference, -_MOST_SHIFT, _MOST_SHIFT)
             elif index is not None and len(shift):
                 shift[index] = 0.0
+            way = difference if whole else followed(difference, part, noise)
             if index is not None and role == _STANDING:  # it stands where the robot's joint does
-                holds[index] += part * difference
-            state[parts.layout.positions[joint]] += part * difference
+                holds[index] += way
+            state[parts.layout.positions[joint]] += way
             if role == _NONE and f"{joint}.velocity" not in measured and not whole:
                 # Critically damped, as an α-β filter: of positions alone velocities follow, too.
                 state[at] += (1.0 - (1.0 - part) ** 0.5) ** 2 / since * difference

@@ -1,22 +1,19 @@
 """A twin beside a robot: it hears what the robot hears and says, follows, compares, and raises alarms."""
 
 import heapq
-from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from itertools import count
 from types import MappingProxyType
 
-from drake_twin.dataclass import dataclass
 from drake_twin.errors import CommandError, InputError
 from drake_twin.messages.text import plain_data
 from drake_twin.mirror.clock_match import Arrivals, ClockMatch
 from drake_twin.mirror.detector import Detector, Judged
-from drake_twin.mirror.evidence import Evidence
 from drake_twin.mirror.follower import Follower, Gains, Innovation, Measured
 from drake_twin.mirror.heard import Heard
-from drake_twin.mirror.looks_like import looks_like
 from drake_twin.mirror.profile import Profile, command_delay, learn
+from drake_twin.mirror.robot_watch import Alarm, RobotWatch
 from drake_twin.mirror.watched import Watched, WatchedTopics, watched_topics
 from drake_twin.scenario import Scenario
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED
@@ -26,34 +23,7 @@ WINDOW = 0.05  # s for which messages wait for those that were sent before them 
 FIRST = 20.0  # s at the start that are learned from, without a profile
 _SHORTEST_PERIOD = 0.005  # s between two measurements of a topic that are looked at
 _SILENCE = 0.5  # s without a message that are an alarm
-_KEPT = 6.0  # s of measurements that are looked at to tell what an alarm looks like
-_LOOKS = 2.0  # s after an alarm began in which its kind may still change
-_OVER = 0.5  # of the threshold below which an alarm ends,
-_OVER_FOR = 1.0  # s after which it does
 LOST = "connection_lost"
-
-
-@dataclass(frozen=True)
-class Alarm:
-    """An alarm.
-
-    Attributes:
-        robot: The robot.
-        kind: What it looks like; one of `drake_twin.mirror.looks_like.KINDS`, or ``connection_lost``.
-        parts: The joints or topics that it is about.
-        text: What that means, in words.
-        began: When the change began (s, on the listener's clock).
-        raised: When it was noticed (s).
-        ended: When it was over (s); None while it lasts.
-    """
-
-    robot: str
-    kind: str
-    parts: tuple[str, ...]
-    text: str
-    began: float
-    raised: float
-    ended: float | None = None
 
 
 class Mirror:
@@ -71,6 +41,7 @@ class Mirror:
         time_to_false_alarm: The mean time to a false alarm (s).
         learns: Whether all of the run is learned from, for `learned`, and nothing is judged.
         judged: Is called with each measurement, once it is judged.
+        followed: Is called with each measurement, once the twin has followed it.
 
     Attributes:
         twin: The twin that follows.
@@ -96,6 +67,7 @@ class Mirror:
         time_to_false_alarm: float = 3600.0,
         learns: bool = False,
         judged: Callable[[Judged], None] = lambda _: None,
+        followed: Callable[[Innovation], None] = lambda _: None,
     ):
         self.twin = Twin(replace(scenario, commands=(), sensor_noise=False))
         try:
@@ -112,7 +84,7 @@ class Mirror:
             commands += "the twin follows what is measured, and a weak motor cannot be told from a slow command"
         self._follower = Follower(self.twin, gains)
         self._time_to_false_alarm = time_to_false_alarm
-        self._judged = judged
+        self._followed = followed
         self.profile = profile
         self._command_delay = 0.0 if profile is None else profile.command_delay
         self._clock = ClockMatch()
@@ -130,8 +102,8 @@ class Mirror:
         self._knows_delay = False
         self._learns = learns
         robots = sorted({item.robot for item in topics.measured.values()})
-        self._robots = {robot: _RobotWatch(robot) for robot in robots}
         self.alarms: list[Alarm] = []
+        self._robots = {robot: RobotWatch(robot, self.twin, self.alarms, judged) for robot in robots}
         if profile is not None:
             self._watch(profile)
 
@@ -281,12 +253,16 @@ class Mirror:
             return
         self._taken[watched.topic] = time
         innovation = self._follower.measure(time, watched, heard.message)
+        while self._follower.notes:
+            self.note(self._follower.notes.pop())
         if innovation is None:
             self.note(f"{watched.topic}: a message without a number that the twin has is left out")
-        elif self.profile is None:
+            return
+        self._followed(innovation)
+        if self.profile is None:
             self._learn(innovation)
         else:
-            self._robots[watched.robot].judge(innovation, self)
+            self._robots[watched.robot].judge(innovation, self.zero or 0.0)
 
     def _learn(self, innovation: Innovation) -> None:
         self._learning.append(innovation)
@@ -325,78 +301,6 @@ class Mirror:
         if text not in self._noted:
             self._noted.add(text)
             self.notes.append(text)
-
-
-class _RobotWatch:
-    """The state of the alarms of one robot."""
-
-    def __init__(self, robot: str):
-        self.robot = robot
-        self.detector: Detector | None = None
-        self.silent: dict[str, int] = {}  # topic → the alarm that tells of it
-        self._kept: deque[Judged] = deque()
-        self._alarm: int | None = None
-        self._quiet_since: float | None = None
-        self._next_look = 0.0
-        self._above: set[tuple[str, str]] = set()  # the numbers that the alarm is about
-
-    def judge(self, innovation: Innovation, mirror: Mirror) -> None:
-        assert self.detector is not None
-        assert mirror.zero is not None
-        judged = self.detector.judge(innovation)
-        mirror._judged(judged)
-        time = innovation.time
-        self._kept.append(judged)
-        while time - self._kept[0].time > _KEPT:
-            self._kept.popleft()
-        excess = self.detector.excess()[0]
-        if self._alarm is None and excess > 1.0:
-            self._raise(mirror, time)
-        elif self._alarm is not None:
-            self._follow_alarm(mirror, time, excess)
-
-    def _raise(self, mirror: Mirror, time: float) -> None:
-        assert self.detector is not None
-        assert mirror.zero is not None
-        above = self.detector.above()
-        began = max(self.detector.began(time, above - self._above), 0.0)
-        self._alarm, self._above, self._quiet_since = len(mirror.alarms), above, None
-        mirror.alarms.append(Alarm(self.robot, "", (), "", began + mirror.zero, time + mirror.zero))
-        self._look(mirror, time)
-
-    def _follow_alarm(self, mirror: Mirror, time: float, excess: float) -> None:
-        assert self._alarm is not None
-        assert self.detector is not None
-        assert mirror.zero is not None
-        alarm = mirror.alarms[self._alarm]
-        is_new = time + mirror.zero - alarm.raised < _LOOKS
-        above = self.detector.above()
-        if is_new:
-            self._above |= above
-            if time >= self._next_look:
-                self._look(mirror, time)
-        elif not above <= self._above:  # something else has changed, too
-            mirror.alarms[self._alarm] = replace(alarm, ended=time + mirror.zero)
-            self._raise(mirror, time)
-            return
-        if excess >= _OVER:
-            self._quiet_since = None
-        elif self._quiet_since is None:
-            self._quiet_since = time
-        elif time - self._quiet_since > _OVER_FOR:
-            mirror.alarms[self._alarm] = replace(mirror.alarms[self._alarm], ended=self._quiet_since + mirror.zero)
-            self._alarm, self._above = None, set()
-
-    def _look(self, mirror: Mirror, time: float) -> None:
-        """Tell what the alarm looks like by now."""
-        assert self._alarm is not None
-        assert self.detector is not None
-        assert mirror.zero is not None
-        self._next_look = time + 0.25
-        alarm = mirror.alarms[self._alarm]
-        evidence = Evidence(mirror.twin, self.robot, self._kept, alarm.began - mirror.zero, self.detector)
-        kind, parts, text = looks_like(evidence)
-        mirror.alarms[self._alarm] = replace(alarm, kind=kind, parts=parts, text=text)
 
 
 def follow(mirror: Mirror, messages: Iterable[Heard]) -> None:

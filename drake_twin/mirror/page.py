@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _COLOR = (0.90, 0.30, 0.25)
 _MOST = 8  # numbers that are listed
-_LIGHTS = {0: "🟢", 1: "🟡", 2: "🔴"}
+_LIGHTS = {0: "ok:", 1: "look:", 2: "alarm:"}
 
 
 def show_on_page(mirror: Mirror) -> None:
@@ -42,7 +42,7 @@ def show_on_page(mirror: Mirror) -> None:
 
 
 def lights(mirror: Mirror) -> dict[str, str]:
-    """Return a light and a text for each robot: green is as its twin, yellow was an alarm, red is one."""
+    """Return for each robot whether it is as its twin (ok), was not (look) or is not (alarm), and a text."""
     return {
         robot: f"{_LIGHTS[level]} {text}" for robot, level, text in (mirror.condition(robot) for robot in mirror.robots)
     }

@@ -1,16 +1,17 @@
 """The report of a mirror: one HTML file without scripts, readable on a phone; the same run gives the same bytes."""
 
 from html import escape
+from math import asinh
 from pathlib import Path
 
-from drake_twin.mirror.mirror import Alarm, Mirror
+from drake_twin.mirror.mirror import Mirror
+from drake_twin.mirror.robot_watch import Alarm
 from drake_twin.mirror.traces import Trace, Traces
 from drake_twin.versions import stamp
 from drake_twin.whole_file import write_result
 
 _WIDTH, _HEIGHT = 640, 90  # of a plot
 _BAND = 3.0  # standard deviations that are drawn as the healthy robot's
-_MOST = 12.0  # standard deviations at the edge of a plot
 _MOST_PLOTS = 60
 
 _STYLE = """
@@ -60,7 +61,7 @@ def report_text(mirror: Mirror, traces: Traces, title: str) -> str:
         verdict,
         _alarms(alarms),
         "<h2>Differences between the robot and its twin</h2>",
-        "<p>In standard deviations of the healthy run; the band has three. Red: an alarm lasted.</p>",
+        "<p>In standard deviations of the healthy run, three of which the band has. Red: an alarm lasted.</p>",
         *_plots(traces, alarms, zero),
         "<h2>What was heard</h2>",
         _heard(mirror),
@@ -94,7 +95,9 @@ def _plots(traces: Traces, alarms: list[Alarm], zero: float) -> list[str]:
     if not every:
         return ["<p>Nothing was compared: the run is shorter than what is learned from.</p>"]
     end = max((max(trace.bins) + 1) * trace.width for _, trace in every)
-    drawn = sorted(every, key=lambda item: (-_extent(item[1]), item[0]))[:_MOST_PLOTS]
+    parts = {part for alarm in alarms for part in alarm.parts}
+    order = sorted(every, key=lambda item: (item[0][2].rpartition(".")[0] not in parts, -_extent(item[1]), item[0]))
+    drawn = order[:_MOST_PLOTS]
     plots = [
         f"<figure>{_plot(trace, [a for a in alarms if a.robot == robot], zero, end)}"
         f"<figcaption>{escape(robot)}: {escape(name)} <small>({escape(topic)})</small></figcaption></figure>"
@@ -110,13 +113,13 @@ def _extent(trace: Trace) -> float:
 
 
 def _plot(trace: Trace, alarms: list[Alarm], zero: float, end: float) -> str:
-    most = min(max(_BAND * 1.5, _extent(trace)), _MOST)
+    most = max(_BAND * 1.5, _extent(trace))
 
     def x(time: float) -> float:
         return round(_WIDTH * min(max(time / end, 0.0), 1.0), 1)
 
     def y(value: float) -> float:
-        return round(_HEIGHT / 2 * (1 - min(max(value / most, -1.0), 1.0)), 1)
+        return round(_HEIGHT / 2 * (1 - asinh(value / _BAND) / asinh(most / _BAND)), 1)
 
     points = []
     for index, (low, high) in sorted(trace.bins.items()):

@@ -39,6 +39,7 @@ OTHERS = (
     "ray start",
 )
 TOO_LONG = ("python -m pytest", "python -m drake_twin.benchmarks", "python -m drake_twin.controllers.docs")
+MIRROR = "drake_twin.mirror"  # it takes the options of drake_twin.run, too
 ELSEWHERE = ("python diagrams/", "python -m sphinx")  # run by tests/diagrams and tests/docs/test_build.py
 
 
@@ -113,11 +114,12 @@ def command(line: str, place: str) -> None:
     program, arguments = words[2], [word for word in words[3:] if word != "[--strict]"]
     assert program in (
         "drake_twin",
-        *(f"drake_twin.{name}" for name in ("run", "check", "play", "sweep", "calibrate")),
+        *(f"drake_twin.{name}" for name in ("run", "check", "play", "sweep", "calibrate", "mirror")),
     ), f"{place}: what is {line!r}?"
     if program == "drake_twin":
         program, arguments = f"drake_twin.{arguments[0]}", arguments[1:]
-    if any("path/to" in word or word in WAITS or word == "PACKAGE" for word in arguments):
+    # A mirror learns from a minute of a robot: tests/mirror does what the page says.
+    if any("path/to" in word or word in WAITS or word == "PACKAGE" for word in arguments) or program == MIRROR:
         check_options(program, arguments, place)
         return
     if program == "drake_twin.run":
@@ -134,8 +136,9 @@ def command(line: str, place: str) -> None:
 def check_options(program: str, arguments: list[str], place: str) -> None:
     """Checks that the program of a command that is not run has its options."""
     said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.suppress(SystemExit):
-        import_module(program).main(["--help"])
+    for each in (program, "drake_twin.run") if program == MIRROR else (program,):
+        with contextlib.redirect_stdout(said), contextlib.suppress(SystemExit):
+            import_module(f"{each}.__main__" if each == MIRROR else each).main(["--help"])
     for word in arguments:
         if word.startswith("--"):
             assert word.partition("=")[0] in said.getvalue(), f"{place}: {program} has no option {word}"

@@ -41,6 +41,7 @@ DRAWN_BY = {
     "drake_twin/docs/two_rovers.png": "tests/docs/draw_page.py",
     "diagrams/two_rovers.svg": "drake_twin/diagram/picture.py",  # python -m drake_twin.run FILE --graphviz PICTURE
     "drake_twin/docs/panels.png": "tests/docs/draw_panel.py",
+    "drake_twin/docs/mirror.png": "tests/docs/draw_mirror.py",
     "drake_twin/docs/rovers_and_arm.webp": "tests/docs/draw_page.py",
 }
 

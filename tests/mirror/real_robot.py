@@ -46,7 +46,7 @@ class Run:
         angular_noise: Of its angular velocity (rad/s).
         command_delay: How much later than a command is sent the robot acts (s).
         least_delay: The least delay of the network (s).
-        mean_delay: The mean of what comes on top of it, exponentially distributed (s); messages overtake each other.
+        mean_delay: The mean of what comes on top of it, exponentially distributed (s): measurements may overtake.
         loss: The part of all messages that is never heard.
         clock_offset: What the robot's clock shows at the true time zero (s).
         clock_drift: By how much it is too fast, as a part: it shows ``time * (1 + drift) + offset``.
@@ -221,6 +221,7 @@ class _Recorder:
         self._place = [body.joints.index(name) for name in body.commanded]
         self._frozen: tuple[float, float] | None = None
         self._last_reported: tuple[np.ndarray, np.ndarray] | None = None
+        self._commanded_at = 0.0
         self._states: list[tuple[Any, ...]] = []
         self._bases: list[tuple[float, list[float]]] = []
 
@@ -282,8 +283,11 @@ class _Recorder:
         is_lost = self._network.random() < run.loss
         if self.fault is not None and topic != COMMANDS:
             is_lost = is_lost or self.fault.acts("connection_lost", time=time + 1e-9)
+        received = float(time + late)
+        if topic == COMMANDS:  # a reliable topic keeps its order, and only the order tells which command is the last
+            self._commanded_at = received = max(received, self._commanded_at)
         if not is_lost:
-            self.heard.append(Heard(float(time + late), topic, kind, message))
+            self.heard.append(Heard(received, topic, kind, message))
 
     def _measure(self) -> None:
         run, body, fault, time = self._run, self._body, self.fault, self._body.time
