@@ -31,6 +31,7 @@ WRITERS = {
     "description/xacro_cache.py": "expanded xacro file",
     "diagram/picture.py": "a picture",
     "film/film.py": "a film",
+    "mirror/learner.py": "fitted scenario",
     "mirror/report.py": "mirror's report",
     "ros2/xacro_program.py": "what xacro writes",
     "sweeps/report.py": "a picture",

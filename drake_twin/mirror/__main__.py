@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,6 +23,8 @@ from drake_twin.program import (
 
 if TYPE_CHECKING:
     from drake_twin.cli.target import Target
+    from drake_twin.mirror.heard import Heard
+    from drake_twin.mirror.learner import Learner
     from drake_twin.mirror.mirror import Mirror
     from drake_twin.mirror.profile import Profile
     from drake_twin.mirror.traces import Traces
@@ -70,6 +72,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="HOURS",
         help="the mean time to a false alarm of noise (default: 1)",
     )
+    learned = parser.add_argument_group("values of the twin")
+    add_repeated(learned, "--fit", "PATH=LOW:HIGH", "find a value from the last 20 s, as drake_twin.calibrate")
+    learned.add_argument("--patch", type=Path, metavar="FILE", help="offer what is found as a scenario (.yaml)")
     out = parser.add_argument_group("output")
     out.add_argument("--report", type=Path, metavar="FILE", help="write a report (.html)")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -98,7 +103,9 @@ def _check(options: argparse.Namespace, target: argparse.Namespace) -> None:
         raise InputError(f"--false-alarm-every {options.false_alarm_every:g}: it must be above 0 and at most 1e6 hours")
     if options.learn is not None and options.profile is not None:
         raise InputError("--learn writes a profile and --profile reads one: give one of them")
-    for name, suffix in (("report", ".html"), ("learn", ".json")):
+    if bool(options.fit) != (options.patch is not None):
+        raise InputError("--fit says what is to be found, and --patch where it is offered: give both")
+    for name, suffix in (("report", ".html"), ("learn", ".json"), ("patch", ".yaml")):
         file = getattr(options, name)
         if file is not None and file.suffix != suffix:
             raise InputError(f"--{name} {file}: it must end in {suffix}")
@@ -112,6 +119,7 @@ class _Compared(NamedTuple):
     renamed: Mapping[str, str]
     profile: "Profile | None"
     traces: "Traces"
+    learner: "Learner | None"
 
     def arguments(self, options: argparse.Namespace) -> dict[str, Any]:
         """Return the arguments of a `Mirror`."""
@@ -131,10 +139,20 @@ def _mirror(options: argparse.Namespace, run: argparse.Namespace, stopped: Seque
         from drake_twin.mirror.profile import Profile
         from drake_twin.mirror.traces import Traces
 
+        if options.fit:
+            from drake_twin.calibration.fitted import Fitted
+
+            for text in options.fit:
+                Fitted.parse(text)
         profile = None if options.profile is None else Profile.read(options.profile)
         target = find_target(run)
         check_lost(target.scenario.findings, keep_going=run.keep_going)
-    compared = _Compared(renamed, profile, Traces())
+    learner = None
+    if options.fit:
+        from drake_twin.mirror.learner import Learner
+
+        learner = Learner(target.scenario, options.fit, options.patch, options.map)
+    compared = _Compared(renamed, profile, Traces(), learner)
     if options.bag is not None:
         mirror = _of_bag(options, target, compared)
     else:
@@ -156,7 +174,7 @@ def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared) 
         source = f"the bag {options.bag}"
         mirror = Mirror(target.scenario, known, compared.renamed, source=source, **compared.arguments(options))
         try:
-            follow(mirror, messages_of(bag, mirror.topics.topics))
+            follow(mirror, _kept(messages_of(bag, mirror.topics.topics), compared.learner))
         except InputError as error:
             if mirror.twin.time == 0:
                 mirror.close()
@@ -166,7 +184,18 @@ def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared) 
             mirror.close()
             raise
         mirror.proceed(bag.duration)
+    if compared.learner is not None:
+        compared.learner.begin(mirror.topics.topics)
+        say(compared.learner.outcome(wait=True) or "")
     return mirror
+
+
+def _kept(messages: "Iterator[Heard]", learner: "Learner | None") -> "Iterator[Heard]":
+    """Yield messages, which a learner keeps."""
+    for message in messages:
+        if learner is not None:
+            learner.hear(message)
+        yield message
 
 
 def _of_robot(
@@ -196,7 +225,7 @@ def _of_robot(
             if kind.is_wanted(run):
                 kind.check(run)
                 wires.append(kind.open(run, lambda _: None, is_first=True))
-        live = Live(mirror, wires)
+        live = Live(mirror, wires, compared.learner)
     except BaseException:
         mirror.close()
         raise

@@ -14,7 +14,9 @@ from drake_twin.errors import RunError
 from drake_twin.messages.interface_types import definition, deserialize, make, serialize, type_hash
 from drake_twin.mirror.check_service import CheckService
 from drake_twin.mirror.heard import Heard
+from drake_twin.mirror.learner import Learner
 from drake_twin.mirror.mirror import Mirror
+from drake_twin.program import say
 from drake_twin.wires.wire import LARGEST_OF_NODES, Sender, Wire, WireEndpoint, close_all
 
 NODE = "/drake_twin_mirror"
@@ -32,9 +34,11 @@ class Live:
     Args:
         mirror: The mirror.
         wires: The wires; they are closed with this.
+        learner: What learns values of the twin in the background; it is closed with this, too.
     """
 
-    def __init__(self, mirror: Mirror, wires: Sequence[Wire]):
+    def __init__(self, mirror: Mirror, wires: Sequence[Wire], learner: Learner | None = None):
+        self._learner = learner
         self._mirror, self._wires = mirror, wires
         self._queue: queue.Queue[tuple[float, str, str, bytes]] = queue.Queue(_MOST)
         self._lost = 0
@@ -70,6 +74,8 @@ class Live:
             now = time.monotonic()
             self.tell(now)
             self._checks.proceed()
+            if self._learner is not None:
+                self._learn(self._learner)
             if now >= next_frame:
                 next_frame = now + _FRAME
                 each_frame()
@@ -94,6 +100,8 @@ class Live:
             RunError: If messages were lost.
         """
         self._checks.close()
+        if self._learner is not None:
+            self._learner.close()
         close_all(self._wires)
         if self._lost:
             raise RunError(f"{self._lost} messages were lost: they come faster than they are followed")
@@ -111,7 +119,16 @@ class Live:
         except ValueError as error:
             self._mirror.note(f"{topic}: {error}")
             return
-        self._mirror.hear(Heard(received, topic, kind, message))
+        heard = Heard(received, topic, kind, message)
+        if self._learner is not None:
+            self._learner.hear(heard)
+        self._mirror.hear(heard)
+
+    def _learn(self, learner: Learner) -> None:
+        if (said := learner.outcome()) is not None:
+            say(said)
+        if learner.is_due:
+            learner.begin(self._mirror.topics.topics)
 
     def _type_of(self, topic: str) -> str:
         return next(item.type for item in self._mirror.twin.graph.endpoints if item.name == topic)
