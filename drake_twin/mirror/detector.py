@@ -12,8 +12,8 @@ from drake_twin.mirror.profile import MOST_DEVIATIONS, Learned, Profile, Unstead
 
 _ABOVE_HEALTHY = 3.0  # times the highest sum of the healthy run
 _SHORT = 30.0  # s of a healthy run that show half of what there is
-_UNSTEADY = 0.35  # of the last measurements whose noise is large that are a change
-_MORE_UNSTEADY = 1.4  # times that of the healthy run
+_UNSTEADY = 0.45  # of the last measurements whose noise is large that are a change
+_MORE_UNSTEADY = 1.5  # times that of the healthy run
 _JUMP = 20.0  # standard deviations of one measurement of a position that are a jump
 _REPEATS = 8  # equal values, one after the other, of a number that changes else
 

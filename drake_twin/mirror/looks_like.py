@@ -15,6 +15,7 @@ _LEAST = 0.3  # what fits worse is not said
 _PLANAR = ("linear.x", "linear.y", "angular.z")
 _LOOSE = 0.65  # of the twin's efforts, below which wheels have little grip
 _EXPLAINED = 0.4  # of the efforts that a payload has to explain
+_JUMP = 10.0  # standard deviations of a step that no velocity explains
 _HIT = 0.8  # s, from which on it is not a collision
 MODEL_WRONG = "model_wrong"
 
@@ -129,8 +130,10 @@ def _effort_offset(evidence: Evidence) -> Fit:
 @fault("encoder_offset")
 def _encoder_offset(evidence: Evidence) -> Fit:
     """A position has jumped, further than its velocity allows, and the motion is as before."""
-    j = evidence.alone("position")
-    if j is None or evidence.jump(j) < 8.0 or evidence.energy["position"][j] < 0.3 * evidence.energies[j]:
+    jumps = [evidence.jump(joint) for joint in range(len(evidence.joints.names))]
+    j = int(np.argmax(jumps)) if jumps else 0
+    others = max((jump for joint, jump in enumerate(jumps) if joint != j), default=0.0)
+    if not jumps or jumps[j] < max(_JUMP, 3 * others) or abs(evidence.gain(j) - 1.0) > 0.2:
         return _NONE
     name = evidence.joints.names[j]
     return (
