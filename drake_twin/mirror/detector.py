@@ -102,9 +102,13 @@ class Detector:
         profile: What was learned of it.
         topics: Its topics.
         time_to_false_alarm: The mean time (s) to a false alarm of white noise, for all its numbers together.
+        stands: Whether the robot stands on the ground, so that efforts at rest say nothing.
     """
 
-    def __init__(self, profile: Profile, topics: frozenset[str], time_to_false_alarm: float = 3600.0):
+    def __init__(
+        self, profile: Profile, topics: frozenset[str], time_to_false_alarm: float = 3600.0, *, stands: bool = False
+    ):
+        self._stands = stands
         own = {topic: known for topic, known in profile.topics.items() if topic in topics}
         self._differing = Differing()
         careful = _ABOVE_HEALTHY * (1.0 + _SHORT / max(profile.duration, 1.0))
@@ -131,6 +135,8 @@ class Detector:
             explained = float(np.dot(learned.weights, features(innovation, name)))
             left = difference - explained
             moving = is_moving(innovation, name)
+            if self._stands and not moving and name.endswith(".effort"):
+                continue  # of wheels and feet at rest, the ground's friction holds what nobody can tell
             deviations = left / learned.noise[moving]
             if not innovation.caught_up:
                 number.add(innovation.time, left, deviations, innovation.measured[name], moving=moving)

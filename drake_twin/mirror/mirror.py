@@ -278,7 +278,8 @@ class Mirror:
     def _watch(self, profile: Profile) -> None:
         for robot, watch in self._robots.items():
             own = frozenset(item.topic for item in self.topics.measured.values() if item.robot == robot)
-            watch.detector = Detector(profile, own, self._time_to_false_alarm)
+            stands = self.twin.built.robots[robot].layout.has_moving_base
+            watch.detector = Detector(profile, own, self._time_to_false_alarm, stands=stands)
 
     def _look_for_silence(self) -> None:
         for topic, watched in self.topics.measured.items():
