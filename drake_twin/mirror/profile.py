@@ -25,6 +25,7 @@ from drake_twin.versions import PROFILE
 _SOFT = 0.05  # rad/s or m/s within which dry friction turns
 _LEAST = {"position": 1e-5, "velocity": 1e-4, "effort": 1e-4}
 _RIDGE = 1e-3  # of the features' own size
+_EXPLAINS = 0.9  # of the differences' root mean square that is left, at most, where motion explains them
 MOST_DEVIATIONS = 6.0  # standard deviations that one measurement counts
 _FEW = 40  # values at rest or in motion that something is learned from
 _MOST_AGAIN = 0.9  # correlation of blocks
@@ -204,6 +205,8 @@ def _learned(name: str, rows: np.ndarray) -> Learned:
     normal = scaled.T @ scaled + _RIDGE * len(rows) * np.eye(scaled.shape[1])
     weights = np.linalg.solve(normal, scaled.T @ differences) / scale
     left = differences - explaining @ weights
+    if _usual(left) > _EXPLAINS * _usual(differences):  # what explains little does harm where it was not learned
+        weights, left = np.zeros_like(weights), differences
     least = _LEAST.get(name.rpartition(".")[2], 1e-4)
     noise = tuple(max(_usual(own), least) for own in _regimes(left, moving))
     deviations = left / np.where(moving, noise[1], noise[0])
