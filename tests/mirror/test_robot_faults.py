@@ -64,10 +64,13 @@ def outcome(name: str, fault: str, seed: int, learned: Profile) -> tuple[bool, b
 
 @pytest.mark.parametrize("fault", FAULTS["arm"])
 def test_a_fault_of_an_arm_is_found_and_told_apart(fault):
-    assert outcome("arm", fault, 0, profile("arm", 120.0)) == (
-        True,
-        fault != "delay",
-    )  # then it looks like a stuck joint
+    assert outcome("arm", fault, 0, profile("arm", 120.0)) == (True, True)
+
+
+@pytest.mark.parametrize("fault", ["friction_risen", "collision", "payload_changed"])
+@pytest.mark.thorough
+def test_a_fault_of_an_arm_that_mujoco_moves_is_found_and_told_apart(fault):
+    assert outcome("mujoco_arm", fault, 0, profile("mujoco_arm", 120.0)) == (True, True)
 
 
 @pytest.mark.parametrize("fault", ["joint_stuck", "wheel_slip", "carried", "encoder_frozen"])
