@@ -120,11 +120,6 @@ class Evidence:
         deviations = np.clip([item.readings[name].deviations for item in own], -_MOST, _MOST)
         return times, left, np.asarray(deviations, dtype=float)
 
-    def base_predicted(self, name: str) -> np.ndarray:
-        """What the twin had of a number of the base."""
-        own = [item for item in self._since if item.innovation.watched.kind == POSE and name in item.readings]
-        return np.array([item.innovation.predicted[name] for item in own])
-
     def base_energy(self, *names: str) -> float:
         """The largest mean square of some numbers' deviations beyond that of noise."""
         found = [self.base(name)[2] for name in names]

@@ -46,6 +46,7 @@ class Mirror:
     Attributes:
         twin: The twin that follows.
         topics: The robot's topics that are used.
+        clocks: Robot → its clock beside the listener's.
         alarms: The alarms so far, of which those without an end last.
         notes: What was noticed of the messages.
         profile: What the robot is compared with; None while it is learned.
@@ -87,7 +88,6 @@ class Mirror:
         self._followed = followed
         self.profile = profile
         self._command_delay = 0.0 if profile is None else profile.command_delay
-        self._clock = ClockMatch()
         self._arrivals = {topic: Arrivals() for topic in topics.topics}
         self._last_heard: dict[str, float] = {}
         self._taken: dict[str, float] = {}
@@ -102,10 +102,15 @@ class Mirror:
         self._knows_delay = False
         self._learns = learns
         robots = sorted({item.robot for item in topics.measured.values()})
+        self.clocks = {robot: ClockMatch() for robot in robots}
         self.alarms: list[Alarm] = []
         self._robots = {robot: RobotWatch(robot, self.twin, self.alarms, judged) for robot in robots}
         if profile is not None:
-            self._watch(profile)
+            try:
+                self._watch(profile)
+            except InputError:
+                self.twin.close()
+                raise
 
     def _watched(self, known: Mapping[str, str] | None, renamed: Mapping[str, str], source: str) -> WatchedTopics:
         endpoints = self.twin.graph.endpoints
@@ -115,11 +120,6 @@ class Mirror:
             known = {own.get(name, name): kind for name, kind in known.items()}
             return watched_topics(known, endpoints, renamed, source, are_there=False)
         return watched_topics(known, endpoints, renamed, source)
-
-    @property
-    def clock(self) -> ClockMatch:
-        """The robot's clock beside the listener's."""
-        return self._clock
 
     @property
     def arrivals(self) -> dict[str, Arrivals]:
@@ -137,16 +137,15 @@ class Mirror:
         if topic not in self._arrivals:
             return
         time = heard.received
-        if topic in self.topics.measured:
-            stamp = heard.stamp
-            if stamp is not None:
-                resets = self._clock.resets
-                time = self._clock.heard(heard.received, stamp)
-                if self._clock.resets != resets:
-                    self.note(f"{topic}: the robot's clock was set at {heard.received:.3f} s")
-        else:
-            time += self._command_delay
         watched = self.topics.measured.get(topic)
+        if watched is None:
+            time += self._command_delay
+        elif (stamp := heard.stamp) is not None:
+            clock = self.clocks[watched.robot]
+            resets = clock.resets
+            time = clock.heard(heard.received, stamp)
+            if clock.resets != resets:
+                self.note(f"{topic}: the robot's clock was set at {heard.received:.3f} s")
         if watched is not None and (first := self._first.setdefault((watched.robot, watched.kind), topic)) != topic:
             self.note(f"{topic} is not used: {watched.robot} has {first} for this")
             return
@@ -276,6 +275,12 @@ class Mirror:
             self._watch(self.profile)
 
     def _watch(self, profile: Profile) -> None:
+        if not profile.topics.keys() & self.topics.measured.keys():
+            listed = ", ".join(profile.topics) or "none"
+            what = f"the profile is of other topics ({listed}): learn one of this robot"
+            raise InputError(what, valid=self.topics.measured)
+        for topic in self.topics.measured.keys() - profile.topics.keys():
+            self.note(f"{topic} is followed, but not compared: the profile does not have it")
         for robot, watch in self._robots.items():
             own = frozenset(item.topic for item in self.topics.measured.values() if item.robot == robot)
             stands = self.twin.built.robots[robot].layout.has_moving_base

@@ -149,15 +149,19 @@ def _heard(mirror: Mirror) -> str:
             f"<td>{own.longest_gap:.2f} s</td><td>{own.late}</td></tr>"
         )
     head = "<tr><th>Topic</th><th>Messages</th><th>Rate</th><th>Gaps</th><th>Longest</th><th>Out of order</th></tr>"
-    clock, profile = mirror.clock, mirror.profile
-    ahead = f"The robot's clock is {-1e3 * clock.offset:.1f} ms ahead of the listener's and drifts by"
+    profile = mirror.profile
+    ahead = " ".join(
+        f"The clock of {escape(robot)} is {-1e3 * clock.offset:.1f} ms ahead of the listener's and drifts by"
+        f" {-1e6 * clock.drift:.0f} ppm."
+        for robot, clock in sorted(mirror.clocks.items())
+    )
     learned = (
         "Nothing was learned"
         if profile is None
         else f"The twin was compared with {profile.duration:.0f} s of a healthy run"
     )
     catches = f"The twin was set where the robot is {mirror.catches} times"
-    text = f"<p>{ahead} {-1e6 * clock.drift:.0f} ppm. {learned}. {catches}.</p>"
+    text = f"<p>{ahead} {learned}. {catches}.</p>"
     return f'<div class="scroll"><table>{head}{"".join(rows)}</table></div>{text}'
 
 

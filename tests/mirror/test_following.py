@@ -82,8 +82,8 @@ def test_the_robots_clock_is_found_while_it_is_followed(offset, drift):
     robot = real("arm")
     run = replace(Run(seed=7, duration=20.0), clock_offset=offset, clock_drift=drift)
     found = Followed(robot, run)
-    assert found.mirror.clock.offset == pytest.approx(-offset - drift * 20.0 + run.least_delay, abs=2e-3)
-    assert found.mirror.clock.drift == pytest.approx(-drift, abs=30e-6)
+    assert found.mirror.clocks["robot_1"].offset == pytest.approx(-offset - drift * 20.0 + run.least_delay, abs=2e-3)
+    assert found.mirror.clocks["robot_1"].drift == pytest.approx(-drift, abs=30e-6)
     robot.close()
 
 

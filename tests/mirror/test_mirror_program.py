@@ -96,6 +96,13 @@ def test_a_profile_that_is_another_file_or_damaged_is_refused(bags, tmp_path, ca
     assert Profile.read(bags / "healthy.json").duration > 30
 
 
+def test_a_profile_of_another_robot_is_refused(bags, tmp_path, capsys):
+    text = (bags / "healthy.json").read_text()
+    (tmp_path / "c.json").write_text(text.replace("/robot_1/joint_states", "/robot_9/joint_states"))
+    assert mirror(bags, "faulty", "--profile", tmp_path / "c.json") == 2
+    assert "the profile is of other topics (/robot_9/joint_states)" in capsys.readouterr().err
+
+
 def test_a_bag_of_another_robot_is_refused_with_what_it_has(bags, capsys):
     assert main(["--robots", "2", "--bag", str(bags / "faulty")]) == 2
     error = capsys.readouterr().err
