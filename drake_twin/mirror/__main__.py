@@ -154,7 +154,7 @@ def _mirror(options: argparse.Namespace, run: argparse.Namespace, stopped: Seque
         learner = Learner(target.scenario, options.fit, options.patch, options.map)
     compared = _Compared(renamed, profile, Traces(), learner)
     if options.bag is not None:
-        mirror = _of_bag(options, target, compared)
+        mirror = _of_bag(options, target, compared, stopped)
     else:
         mirror = _of_robot(options, run, target, compared, stopped)
     try:
@@ -163,7 +163,7 @@ def _mirror(options: argparse.Namespace, run: argparse.Namespace, stopped: Seque
         mirror.close()
 
 
-def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared) -> "Mirror":
+def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared, stopped: Sequence[int]) -> "Mirror":
     """Follow a bag, and return the mirror."""
     from drake_twin.mirror.heard import messages_of
     from drake_twin.mirror.mirror import Mirror, follow
@@ -174,7 +174,7 @@ def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared) 
         source = f"the bag {options.bag}"
         mirror = Mirror(target.scenario, known, compared.renamed, source=source, **compared.arguments(options))
         try:
-            follow(mirror, _kept(messages_of(bag, mirror.topics.topics), compared.learner))
+            follow(mirror, _until(stopped, messages_of(bag, mirror.topics.topics), compared.learner))
         except InputError as error:
             if mirror.twin.time == 0:
                 mirror.close()
@@ -183,16 +183,21 @@ def _of_bag(options: argparse.Namespace, target: "Target", compared: _Compared) 
         except BaseException:
             mirror.close()
             raise
-        mirror.proceed(bag.duration)
-    if compared.learner is not None:
+        if stopped:
+            mirror.note(f"stopped at {mirror.twin.time:.1f} s of the bag's {bag.duration:.1f} s")
+        else:
+            mirror.proceed(bag.duration)
+    if compared.learner is not None and not stopped:
         compared.learner.begin(mirror.topics.topics)
         say(compared.learner.outcome(wait=True) or "")
     return mirror
 
 
-def _kept(messages: "Iterator[Heard]", learner: "Learner | None") -> "Iterator[Heard]":
-    """Yield messages, which a learner keeps."""
+def _until(stopped: Sequence[int], messages: "Iterator[Heard]", learner: "Learner | None") -> "Iterator[Heard]":
+    """Yield messages, which a learner keeps, until a signal arrives."""
     for message in messages:
+        if stopped:
+            return
         if learner is not None:
             learner.hear(message)
         yield message
@@ -209,8 +214,11 @@ def _of_robot(
     from drake_twin.mirror.live import Live
     from drake_twin.mirror.mirror import Mirror
     from drake_twin.wires.registry import wire_kinds
-    from drake_twin.wires.wire import Wire
+    from drake_twin.wires.wire import Wire, close_all
 
+    wanted = [kind for kind in wire_kinds() if kind.is_wanted(run)]
+    for kind in wanted:
+        kind.check(run)
     mirror = Mirror(target.scenario, None, compared.renamed, **compared.arguments(options))
     wires: list[Wire] = []
     page: dict[str, Callable[[], None]] = {}
@@ -221,12 +229,10 @@ def _of_robot(
 
             show_on_page(mirror)
             page["each_frame"] = ProgramPage(run).show(mirror.twin, target)
-        for kind in wire_kinds():
-            if kind.is_wanted(run):
-                kind.check(run)
-                wires.append(kind.open(run, lambda _: None, is_first=True))
+        wires.extend(kind.open(run, lambda _: None, is_first=True) for kind in wanted)
         live = Live(mirror, wires, compared.learner)
     except BaseException:
+        close_all(wires)
         mirror.close()
         raise
     try:

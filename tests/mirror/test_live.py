@@ -5,7 +5,6 @@ from real_robot import COMMANDS, JOINT_STATES, PLACE, Run, real
 from wires.local_wire import LocalWire
 from wires.zenoh_peer import free_port, peer, tokens
 
-from drake_twin.errors import RunError
 from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.mirror.check_service import NAME, TYPE
 from drake_twin.mirror.live import DIAGNOSTICS, RESIDUALS, Live
@@ -79,8 +78,8 @@ def test_what_cannot_be_decoded_is_noted_and_a_flood_is_an_error_at_the_end(mirr
         wire.listeners[JOINT_STATES].call(b"\x00")
     follow(live, lambda: bool(mirror.notes))
     assert JOINT_STATES in mirror.notes[0]
-    with pytest.raises(RunError, match="1 messages were lost"):
-        live.close()
+    live.close()
+    assert mirror.notes[-1].startswith("1 messages were lost")
 
 
 def test_a_trajectory_is_checked_before_the_robot_moves(mirror):

@@ -1,6 +1,7 @@
 """``python -m drake_twin.mirror``: exit codes, reports, profiles, and input that cannot be used."""
 
 import re
+import signal
 from dataclasses import replace
 
 import pytest
@@ -8,6 +9,7 @@ from real_robot import JOINT_STATES, Run, real
 from recorded import write_bag
 
 from drake_twin.messages.interface_types import make
+from drake_twin.mirror import heard
 from drake_twin.mirror.__main__ import main
 from drake_twin.mirror.profile import Profile
 from drake_twin.scenario.scenario_file import scenario_to_yaml
@@ -161,11 +163,26 @@ def test_half_a_bag_is_looked_at_as_far_as_it_goes_or_refused(bags, tmp_path, ca
     assert str(half) in error
 
 
+def test_a_signal_ends_it_with_what_was_seen_so_far(bags, tmp_path, monkeypatch, capsys):
+    real_messages = heard.messages_of
+
+    def messages_of(bag, topics):
+        for count, message in enumerate(real_messages(bag, topics)):
+            if count == 300:
+                signal.raise_signal(signal.SIGINT)
+            yield message
+
+    monkeypatch.setattr(heard, "messages_of", messages_of)
+    assert mirror(bags, "faulty", "--profile", bags / "healthy.json", "--report", tmp_path / "r.html") == 0
+    assert re.search(r"stopped at \d\.\d s of the bag's \d\.\d s", capsys.readouterr().err)
+    assert "no alarm" in (tmp_path / "r.html").read_text()
+
+
 def test_time_that_runs_back_and_ten_kilohertz_do_not_end_it(bags, tmp_path, capsys):
     robot = real("arm")
-    heard = robot.run(Run(seed=5, duration=3.0, joint_rate=2000.0))
+    fast = robot.run(Run(seed=5, duration=3.0, joint_rate=2000.0))
     robot.close()
-    back = [replace(item, message=states(item.message)) if item.topic == JOINT_STATES else item for item in heard]
+    back = [replace(item, message=states(item.message)) if item.topic == JOINT_STATES else item for item in fast]
     for item in back[len(back) // 2 :]:
         if item.topic == JOINT_STATES:
             item.message.header.stamp.sec -= 1000
