@@ -11,6 +11,7 @@ from drake_twin.mirror.follower import Innovation
 from drake_twin.mirror.profile import MOST_DEVIATIONS, Learned, Profile, Unsteadiness, features, is_moving
 
 _ABOVE_HEALTHY = 3.0  # times the highest sum of the healthy run
+_ABOVE_ON_GROUND = 5.0  # likewise of a robot on the ground, as contacts have rare events of their own
 _SHORT = 30.0  # s of a healthy run that show half of what there is
 _UNSTEADY = 0.45  # of the last measurements whose noise is large that are a change
 _MORE_UNSTEADY = 1.5  # times that of the healthy run
@@ -111,7 +112,7 @@ class Detector:
         self._stands = stands
         own = {topic: known for topic, known in profile.topics.items() if topic in topics}
         self._differing = Differing()
-        careful = _ABOVE_HEALTHY * (1.0 + _SHORT / max(profile.duration, 1.0))
+        careful = (_ABOVE_ON_GROUND if stands else _ABOVE_HEALTHY) * (1.0 + _SHORT / max(profile.duration, 1.0))
         limit = threshold(2 * sum(map(len, own.values())), time_to_false_alarm)
         self._numbers = {
             topic: {

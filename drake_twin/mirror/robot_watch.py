@@ -12,6 +12,7 @@ from drake_twin.mirror.looks_like import looks_like
 from drake_twin.twin.twin import Twin
 
 _KEPT = 6.0  # s of measurements that are looked at to tell what an alarm looks like
+_SETTLING = 3.0  # s at the start, in which clocks and heights are found
 _LOOKS = 2.0  # s after an alarm began in which its kind may still change
 _OVER = 0.5  # of the threshold below which an alarm ends,
 _OVER_FOR = 1.0  # s after which it does
@@ -82,7 +83,7 @@ class RobotWatch:
         while time - self._kept[0].time > _KEPT:
             self._kept.popleft()
         excess = self.detector.excess()[0]
-        if self._alarm is None and excess > 1.0:
+        if self._alarm is None and excess > 1.0 and time > _SETTLING:
             self._raise(time)
         elif self._alarm is not None:
             self._follow_alarm(time, excess)
