@@ -8,7 +8,7 @@ from drake_twin.dataclass import dataclass
 from drake_twin.mirror.follower import Innovation
 
 _TIMES = 3  # measurements, of which a number may be the twin's at any: two periods late, at most
-_EARLIER = 0.008  # s by which a command may come earlier or later than it is heard
+_EARLIER = 0.015  # s by which a command may come earlier or later than it is heard
 _FOLLOWED = 0.1  # s in which the twin follows a position
 _TOLERANT = ("velocity", "effort", "linear.x", "linear.y", "angular.z")
 
