@@ -16,6 +16,8 @@ _SHORT = 30.0  # s of a healthy run that show half of what there is
 _UNSTEADY = 0.45  # of the last measurements whose noise is large that are a change
 _MORE_UNSTEADY = 1.5  # times that of the healthy run
 _JUMP = 20.0  # standard deviations of one measurement of a position that are a jump
+_SURPRISE = 8.0  # standard deviations of a velocity after which a position may be elsewhere, too
+_CALM = 0.2  # s
 _REPEATS = 8  # equal values, one after the other, of a number that changes else
 
 
@@ -110,6 +112,7 @@ class Detector:
         self, profile: Profile, topics: frozenset[str], time_to_false_alarm: float = 3600.0, *, stands: bool = False
     ):
         self._stands = stands
+        self._surprised: dict[str, float] = {}  # joint → when its velocity was last far from the twin's
         own = {topic: known for topic, known in profile.topics.items() if topic in topics}
         self._differing = Differing()
         careful = (_ABOVE_ON_GROUND if stands else _ABOVE_HEALTHY) * (1.0 + _SHORT / max(profile.duration, 1.0))
@@ -128,7 +131,16 @@ class Detector:
         """Judge a measurement."""
         numbers = self._numbers.get(innovation.watched.topic, {})
         readings: dict[str, Reading] = {}
-        for name, difference in self._differing.of(innovation).values.items():
+        differences = self._differing.of(innovation).values
+        for name, difference in differences.items():
+            joint, _, kind = name.rpartition(".")
+            if (
+                kind == "velocity"
+                and name in numbers
+                and abs(difference) > _SURPRISE * max(numbers[name].learned.noise)
+            ):
+                self._surprised[joint] = innovation.time
+        for name, difference in differences.items():
             number = numbers.get(name)
             if number is None:
                 continue
@@ -139,6 +151,9 @@ class Detector:
             if self._stands and not moving and name.endswith(".effort"):
                 continue  # of wheels and feet at rest, the ground's friction holds what nobody can tell
             deviations = left / learned.noise[moving]
+            joint, _, kind = name.rpartition(".")
+            if kind == "position" and innovation.time - self._surprised.get(joint, -_CALM) < _CALM:
+                deviations = float(np.clip(deviations, -MOST_DEVIATIONS, MOST_DEVIATIONS))  # a late command, no jump
             if not innovation.caught_up:
                 number.add(innovation.time, left, deviations, innovation.measured[name], moving=moving)
             readings[name] = Reading(left, left / learned.spread[moving])
